@@ -1,0 +1,52 @@
+# The three kinds of target of this project: a module of the library, its test program, a program.
+
+# Language and warning settings of all our own code.
+add_library(ugoki_settings INTERFACE)
+target_compile_features(ugoki_settings INTERFACE cxx_std_23)
+target_include_directories(ugoki_settings INTERFACE ${PROJECT_SOURCE_DIR}/src)
+target_compile_options(ugoki_settings INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  -ffp-contract=off                                  # the same bits on every compiler and machine
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> # false alarms of g++ 12 at -O3
+)
+if(UGOKI_SANITIZE)
+  target_compile_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE})
+endif()
+
+# ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...])
+function(ugoki_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_LIBS" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(ugoki_${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(ugoki_${name} PUBLIC ugoki_settings PRIVATE ${ARG_PRIVATE_LIBS})
+    set(visibility PUBLIC)
+  else()
+    add_library(ugoki_${name} INTERFACE)
+    target_link_libraries(ugoki_${name} INTERFACE ugoki_settings)
+    set(visibility INTERFACE)
+  endif()
+  foreach(dep IN LISTS ARG_DEPENDS)
+    target_link_libraries(ugoki_${name} ${visibility} ugoki_${dep})
+  endforeach()
+  set_property(GLOBAL APPEND PROPERTY UGOKI_MODULES ${name})
+  set_property(GLOBAL PROPERTY UGOKI_DEPENDS_${name} "${ARG_DEPENDS}")
+endfunction()
+
+# ugoki_test(<module> SOURCES <files>... [DEPENDS <modules>...] [LIBS <targets>...]): one GoogleTest program for a module.
+function(ugoki_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LIBS" ${ARGN})
+  find_package(GTest REQUIRED)
+  add_executable(ugoki_${name}_test ${ARG_SOURCES})
+  if(TARGET ugoki_${name})
+    target_link_libraries(ugoki_${name}_test PRIVATE ugoki_${name})
+  endif()
+  foreach(dep IN LISTS ARG_DEPENDS)
+    target_link_libraries(ugoki_${name}_test PRIVATE ugoki_${dep})
+  endforeach()
+  target_link_libraries(ugoki_${name}_test PRIVATE ugoki_settings GTest::gtest_main ${ARG_LIBS})
+  target_compile_definitions(ugoki_${name}_test PRIVATE
+    UGOKI_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data" UGOKI_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  add_test(NAME ${name} COMMAND ugoki_${name}_test --gtest_filter=-Slow*)
+  set_property(GLOBAL APPEND PROPERTY UGOKI_TEST_PROGRAMS ugoki_${name}_test)
+endfunction()

@@ -1,0 +1,13 @@
+#include "ugoki/base/check.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace ugoki {
+
+void check_failed(const char* condition, const char* file, int line) {
+  std::fprintf(stderr, "ugoki: internal error: %s does not hold (%s:%d)\n", condition, file, line);
+  std::abort();
+}
+
+}  // namespace ugoki

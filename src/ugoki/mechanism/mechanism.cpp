@@ -1,0 +1,241 @@
+#include "ugoki/mechanism/mechanism.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace ugoki {
+namespace {
+
+bool finite(const Mat3& m) {
+  return is_finite(m.row(0)) && is_finite(m.row(1)) && is_finite(m.row(2));
+}
+bool is_pose(const Pose& X) {
+  if (!finite(X.R) || !is_finite(X.p)) return false;
+  const Mat3 e = X.R.transposed() * X.R - Mat3::identity();
+  double worst = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) worst = std::max(worst, std::fabs(e.row(i)[j]));
+  return worst < 1e-6 && X.R.determinant() > 0;
+}
+
+/// Why no body can have this inertia; empty if one can.
+std::string impossible_inertia(const Inertia& inertia) {
+  const Sym3& I = inertia.I;
+  if (!std::isfinite(inertia.mass) || !is_finite(inertia.h) || !is_finite(Vec3{I.xx, I.yy, I.zz}) || !is_finite(Vec3{I.xy, I.xz, I.yz}))
+    return "a number of its inertia is not finite.";
+  if (inertia.mass < 0) return "its mass is negative.";
+  if (inertia.mass == 0 && norm(inertia.h) > 0) return "it has a centre of mass but no mass.";
+  const Sym3 c = inertia.about_centre();
+  const double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), 1e-300});
+  const double slack = 1e-9 * scale;
+  // Principal minors, and the triangle inequality: tr/2 1 - I (the second moments of mass) must not be negative.
+  const double t = 0.5 * (c.xx + c.yy + c.zz);
+  const Sym3 moments{t - c.xx, t - c.yy, t - c.zz, -c.xy, -c.xz, -c.yz};
+  for (const Sym3& s : {c, moments}) {
+    const bool bad = s.xx < -slack || s.yy < -slack || s.zz < -slack || s.xx * s.yy - s.xy * s.xy < -slack * scale ||
+                     s.xx * s.zz - s.xz * s.xz < -slack * scale || s.yy * s.zz - s.yz * s.yz < -slack * scale ||
+                     s.matrix().determinant() < -slack * scale * scale;
+    if (bad) return "no body has these moments of inertia (about its centre of mass they must be positive, and none above the sum of the other two).";
+  }
+  return {};
+}
+
+void check_joint(const LinkSpec& link, const std::string& place, Error& errors) {
+  const Joint& j = link.joint;
+  const auto add = [&](const char* message, const char* remedy) { errors.add(ErrorCode::structure, place, message, remedy); };
+  if (!is_pose(j.X_PJ)) add("the joint's frame is not a rotation and a finite position.", "Give an orthonormal right-handed rotation.");
+  const bool uses_axis = j.type == JointType::revolute || j.type == JointType::prismatic || j.type == JointType::helical ||
+                         j.type == JointType::cylindrical || j.type == JointType::universal;
+  if (uses_axis && !(std::fabs(norm(j.axis) - 1) < 1e-6)) add("the joint's axis is not a unit vector.", "Give an axis of length 1.");
+  if (j.type == JointType::universal) {
+    if (!(std::fabs(norm(j.axis2) - 1) < 1e-6)) add("the joint's second axis is not a unit vector.", "Give an axis of length 1.");
+    else if (norm(cross(j.axis, j.axis2)) < 1e-6) add("the two axes of the universal joint are parallel.", "Turn one of them, or use a revolute joint.");
+  }
+  if (!std::isfinite(j.pitch)) add("the joint's pitch is not finite.", "Give the pitch in metres per radian.");
+  for (int i = 0; i < j.nv(); ++i) {
+    const Freedom& f = j.freedoms[static_cast<std::size_t>(i)];
+    if (!(f.lower <= f.upper)) add("a joint limit's lower bound is above its upper bound, or not a number.", "Swap or correct the limits.");
+    const bool negative = !(f.damping >= 0) || !(f.stiffness >= 0) || !(f.armature >= 0) || !(f.friction >= 0) || !(f.effort >= 0);
+    const bool endless = !std::isfinite(f.damping) || !std::isfinite(f.stiffness) || !std::isfinite(f.armature) || !std::isfinite(f.friction) || !std::isfinite(f.rest);
+    if (negative || endless) add("damping, stiffness, armature, friction and effort must be numbers that are not negative.", "Correct the joint's values.");
+  }
+}
+
+void check_shapes(const LinkSpec& link, const std::string& place, Error& errors) {
+  for (const Shape& s : link.shapes) {
+    const bool sized = s.type == ShapeType::box ? s.half_extents.x > 0 && s.half_extents.y > 0 && s.half_extents.z > 0 && is_finite(s.half_extents)
+                                                : s.radius > 0 && std::isfinite(s.radius) && s.half_length >= 0 && std::isfinite(s.half_length);
+    if (!sized) errors.add(ErrorCode::structure, place, "a shape has no size.", "Give it a positive radius or extents.");
+    if (!is_pose(s.X_BS)) errors.add(ErrorCode::structure, place, "a shape's frame is not a rotation and a finite position.", "Give an orthonormal rotation.");
+    if (!(s.friction >= 0) || !(s.restitution >= 0 && s.restitution <= 1))
+      errors.add(ErrorCode::range, place, "a shape's friction or restitution is out of range.", "Friction is at least 0, restitution between 0 and 1.");
+  }
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
+  Error errors;
+  const std::size_t n = spec.links.size();
+  const std::string whole = "mechanism " + (spec.name.empty() ? "(no name)" : spec.name);
+  if (n == 0) errors.add(ErrorCode::structure, whole, "it has no links.", "Add at least one link.");
+  if (n > 1'000'000) return fail(ErrorCode::range, whole, "it has more than a million links.");
+
+  std::map<std::string, int, std::less<>> index_of;
+  for (std::size_t i = 0; i < n; ++i) {
+    const LinkSpec& l = spec.links[i];
+    if (l.name.empty()) errors.add(ErrorCode::structure, whole + ", link " + std::to_string(i), "it has no name.", "Name it.");
+    else if (!index_of.emplace(l.name, static_cast<int>(i)).second)
+      errors.add(ErrorCode::duplicate, "link " + l.name, "two links have this name.", "Rename one of them.");
+  }
+  std::vector<int> parent(n, -1);
+  for (std::size_t i = 0; i < n; ++i) {
+    const LinkSpec& l = spec.links[i];
+    const std::string place = "link " + l.name;
+    if (!l.parent.empty()) {
+      const auto it = index_of.find(l.parent);
+      if (it == index_of.end()) errors.add(ErrorCode::unknown, place, "its parent '" + l.parent + "' does not exist.", "Name an existing link, or none for the world.");
+      else parent[i] = it->second;
+    }
+    if (!l.real.empty()) {
+      const auto it = index_of.find(l.real);
+      if (it == index_of.end()) errors.add(ErrorCode::unknown, place, "its real link '" + l.real + "' does not exist.", "Name the link at which the loop is cut.");
+      else if (it->second == static_cast<int>(i)) errors.add(ErrorCode::structure, place, "it is its own real link.", "Name another link.");
+      else if (!spec.links[static_cast<std::size_t>(it->second)].real.empty())
+        errors.add(ErrorCode::structure, place, "its real link is itself virtual.", "Name the real link.");
+      if (!is_pose(l.X_RV)) errors.add(ErrorCode::structure, place, "the loop's frame is not a rotation and a finite position.", "Give an orthonormal rotation.");
+    }
+    check_joint(l, place, errors);
+    check_shapes(l, place, errors);
+    if (std::string why = impossible_inertia(l.inertia); !why.empty())
+      errors.add(ErrorCode::structure, place, why, "Correct mass, centre and moments of inertia.");
+  }
+  if (!errors.empty()) return fail(std::move(errors));
+
+  // Parents first, otherwise in the order given.
+  std::vector<int> order;
+  std::vector<int> place_of(n, -1);
+  order.reserve(n);
+  std::vector<char> on_path(n, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<int> chain;
+    int k = static_cast<int>(i);
+    while (k >= 0 && place_of[static_cast<std::size_t>(k)] < 0) {
+      if (on_path[static_cast<std::size_t>(k)])
+        return fail(ErrorCode::structure, "link " + spec.links[static_cast<std::size_t>(k)].name, "its parents form a circle.",
+                    "Cut the loop with a virtual link.");
+      on_path[static_cast<std::size_t>(k)] = 1;
+      chain.push_back(k);
+      k = parent[static_cast<std::size_t>(k)];
+    }
+    for (auto it = chain.rbegin(); it != chain.rend(); ++it) {
+      place_of[static_cast<std::size_t>(*it)] = static_cast<int>(order.size());
+      order.push_back(*it);
+    }
+  }
+
+  std::shared_ptr<Mechanism> m(new Mechanism());
+  m->name_ = std::move(spec.name);
+  m->links_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    LinkSpec& from = spec.links[static_cast<std::size_t>(order[i])];
+    Link& to = m->links_[i];
+    const int p = parent[static_cast<std::size_t>(order[i])];
+    to.name = std::move(from.name);
+    to.label = std::move(from.label);
+    to.parent = p < 0 ? -1 : place_of[static_cast<std::size_t>(p)];
+    to.joint = from.joint;
+    to.inertia = from.inertia;
+    to.shapes = std::move(from.shapes);
+    to.X_RV = from.X_RV;
+    if (!from.real.empty()) {
+      to.real = place_of[static_cast<std::size_t>(index_of.find(from.real)->second)];
+      m->has_loops_ = true;
+    }
+    to.q_index = m->nq_;
+    to.v_index = m->nv_;
+    m->nq_ += to.joint.nq();
+    m->nv_ += to.joint.nv();
+    m->mass_ += to.inertia.mass;
+  }
+  for (std::size_t i = n; i-- > 0;) {  // backwards, so that brothers come in the order of links
+    Link& l = m->links_[i];
+    if (l.parent < 0) continue;
+    Link& p = m->links_[static_cast<std::size_t>(l.parent)];
+    l.brother = p.child;
+    p.child = static_cast<int>(i);
+  }
+  int last_base = -1;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (m->links_[i].parent >= 0) continue;
+    if (last_base >= 0) m->links_[static_cast<std::size_t>(last_base)].brother = static_cast<int>(i);
+    last_base = static_cast<int>(i);
+  }
+
+  // The tree of freedoms.
+  std::vector<int> last_freedom(n, -1);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Link& l = m->links_[i];
+    int above = l.parent < 0 ? -1 : last_freedom[static_cast<std::size_t>(l.parent)];
+    for (int k = 0; k < l.joint.nv(); ++k) {
+      m->freedom_parents_.push_back(above);
+      m->link_of_freedom_.push_back(static_cast<int>(i));
+      above = l.v_index + k;
+    }
+    last_freedom[i] = above;
+  }
+
+  // A movable joint must move something.
+  std::vector<double> mass_behind(n, 0.0);
+  for (std::size_t i = n; i-- > 0;) {
+    const Link& l = m->links_[i];
+    const Sym3& I = l.inertia.I;
+    mass_behind[i] += l.inertia.mass + I.xx + I.yy + I.zz;
+    if (l.parent >= 0) mass_behind[static_cast<std::size_t>(l.parent)] += mass_behind[i];
+    bool armature = l.joint.nv() > 0;
+    for (int k = 0; k < l.joint.nv(); ++k) armature = armature && l.joint.freedoms[static_cast<std::size_t>(k)].armature > 0;
+    if (l.joint.nv() > 0 && mass_behind[i] <= 0 && !armature && l.real < 0)
+      errors.add(ErrorCode::structure, "link " + l.name, "its joint can move, but nothing behind it has mass.",
+                 "Give it mass or armature, or make the joint fixed.");
+  }
+  if (!errors.empty()) return fail(std::move(errors));
+  return m;
+}
+
+int Mechanism::find_link(std::string_view name) const {
+  for (std::size_t i = 0; i < links_.size(); ++i)
+    if (links_[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+const Freedom& Mechanism::freedom(int i) const {
+  const Link& l = link(link_of_freedom(i));
+  return l.joint.freedoms[static_cast<std::size_t>(i - l.v_index)];
+}
+
+std::vector<double> Mechanism::neutral() const {
+  std::vector<double> q(static_cast<std::size_t>(nq_));
+  for (const Link& l : links_) joint_neutral(l.joint, q.data() + l.q_index);
+  return q;
+}
+
+MechanismSpec Mechanism::spec() const {
+  MechanismSpec out;
+  out.name = name_;
+  for (const Link& l : links_) {
+    LinkSpec s;
+    s.name = l.name;
+    s.label = l.label;
+    s.parent = l.parent < 0 ? "" : link(l.parent).name;
+    s.joint = l.joint;
+    s.inertia = l.inertia;
+    s.shapes = l.shapes;
+    s.real = l.real < 0 ? "" : link(l.real).name;
+    s.X_RV = l.X_RV;
+    out.links.push_back(std::move(s));
+  }
+  return out;
+}
+
+}  // namespace ugoki

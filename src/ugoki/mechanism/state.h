@@ -1,0 +1,46 @@
+#pragma once
+// Status data: the physical properties of one mechanism at one moment. Sized once from the mechanism.
+
+#include <span>
+#include <vector>
+
+#include "ugoki/mechanism/mechanism.h"
+
+namespace ugoki {
+
+struct State {
+  std::vector<double> q;    ///< [nq] m | rad | unit quaternions
+  std::vector<double> v;    ///< [nv] m/s | rad/s
+  std::vector<double> a;    ///< [nv] m/s^2 | rad/s^2
+  std::vector<double> tau;  ///< [nv] joint forces, N | N m
+  std::vector<Vec6> external;  ///< [links] wrench on each link about the WORLD origin, world axes
+  double time = 0;          ///< s
+
+  State() = default;
+  /// Neutral position at rest.
+  explicit State(const Mechanism& m)
+      : q(m.neutral()), v(static_cast<std::size_t>(m.nv())), a(v.size()), tau(v.size()), external(static_cast<std::size_t>(m.link_count())) {}
+};
+
+/// Pose of every link in the world. @param q [nq] @param X_WB [links, out]
+void calc_poses(const Mechanism& m, std::span<const double> q, std::span<Pose> X_WB);
+
+/// Velocity of every link in its own frame. @param X_WB [links] from calc_poses @param V [links, out]
+void calc_velocities(const Mechanism& m, std::span<const double> q, std::span<const double> v, std::span<Vec6> V);
+
+/// q_out = q (+) v dt on the manifold. May alias.
+void integrate(const Mechanism& m, std::span<const double> q, std::span<const double> v, double dt, std::span<double> q_out);
+
+/// v = q1 (-) q0: integrate(q0, v, 1) = q1.
+void difference(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, std::span<double> v);
+
+/// q_out between q0 (s = 0) and q1 (s = 1): straight lines and great arcs.
+void interpolate(const Mechanism& m, std::span<const double> q0, std::span<const double> q1, double s, std::span<double> q_out);
+
+/// Centre of mass [m] in the world.
+[[nodiscard]] Vec3 centre_of_mass(const Mechanism& m, std::span<const Pose> X_WB);
+
+/// True if every number is finite.
+[[nodiscard]] bool is_finite(std::span<const double> values);
+
+}  // namespace ugoki
