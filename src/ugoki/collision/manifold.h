@@ -1,0 +1,35 @@
+#pragma once
+// Contact points of one pair of shapes.
+
+#include <array>
+#include <cstdint>
+
+#include "ugoki/mechanism/shape.h"
+
+namespace ugoki::collision {
+
+struct ManifoldPoint {
+  Vec3 p;                     ///< m, half way between the surfaces along n
+  Vec3 n;                     ///< unit, from b towards a
+  double distance = 0;        ///< m, negative: depth
+  std::uint32_t feature = 0;  ///< below 2^24; which corner, edge or end of the two shapes
+};
+
+struct Manifold {
+  std::array<ManifoldPoint, 8> points;
+  int count = 0;
+
+  void add(const Vec3& p, const Vec3& n, double distance, std::uint32_t feature) {
+    if (count < static_cast<int>(points.size())) points[static_cast<std::size_t>(count++)] = {p, n, distance, feature};
+  }
+};
+
+/// Contact points of a and b with distances below `margin`, in the frame of the poses; replaces what `out` held.
+/// @param X_WS, X_WT poses of the SHAPES themselves (their X_BS is not used)
+void find_manifold(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT, double margin, Manifold& out);
+
+/// Contact points of a with the plane z = height, n = +z, distances below `margin`.
+/// @param X_WS pose of the shape itself
+void find_ground_manifold(const Shape& a, const Pose& X_WS, double height, double margin, Manifold& out);
+
+}  // namespace ugoki::collision

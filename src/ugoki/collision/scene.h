@@ -1,0 +1,94 @@
+#pragma once
+// Which shapes can collide with which, prepared once; and the search for all contact points of a moment.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ugoki/collision/contact_point.h"
+#include "ugoki/mechanism/mechanism.h"
+
+namespace ugoki::collision {
+
+struct SceneOptions {
+  bool with_ground = true;       ///< there is a ground plane
+  bool between_systems = true;   ///< shapes of different mechanisms collide
+  bool self_collision = false;   ///< links of one mechanism collide, at the start; see Scene::set_self_collision
+};
+
+/// A shape that collides, as it runs.
+struct SceneShape {
+  Shape shape;
+  int system = 0, link = 0;
+  double bound = 0;           ///< m: radius of the sphere about the shape's centre that holds it
+  bool movable = true;        ///< false: no joint between it and the world moves
+  double ground_friction = 0, ground_restitution = 0;  ///< of the pair with the ground
+};
+
+/// Two shapes, indices into Scene::shapes().
+struct ShapePair {
+  std::int32_t a, b;
+};
+
+/// Immutable but for the self-collision switches.
+class Scene {
+ public:
+  Scene() = default;
+  /// Takes every shape with `collides` of every mechanism. Shapes of one mechanism can collide unless their links are
+  /// the same body (welded by fixed joints, or a virtual link and its real link), are joined by one joint, hang with
+  /// coinciding joints on the same link, or the two shapes overlap in the neutral position. Shapes that nothing moves
+  /// collide neither with the ground nor with each other. O(shapes^2) for each mechanism.
+  explicit Scene(std::vector<MechanismPtr> systems, const Ground& ground = {}, const SceneOptions& options = {});
+
+  [[nodiscard]] std::span<const MechanismPtr> systems() const { return systems_; }
+  [[nodiscard]] const Ground& ground() const { return ground_; }
+  [[nodiscard]] const SceneOptions& options() const { return options_; }
+  [[nodiscard]] std::span<const SceneShape> shapes() const { return shapes_; }
+  /// Shapes of system s are shapes()[first_shape(s)] ... shapes()[first_shape(s + 1) - 1].
+  [[nodiscard]] int first_shape(int system) const { return first_shape_[static_cast<std::size_t>(system)]; }
+  /// The pairs inside system s that can collide, whether its switch is on or not.
+  [[nodiscard]] std::span<const ShapePair> self_pairs(int system) const { return self_pairs_[static_cast<std::size_t>(system)]; }
+  [[nodiscard]] bool self_collision(int system) const { return self_on_[static_cast<std::size_t>(system)] != 0; }
+  void set_self_collision(int system, bool on) { self_on_[static_cast<std::size_t>(system)] = on ? 1 : 0; }
+
+ private:
+  std::vector<MechanismPtr> systems_;
+  Ground ground_;
+  SceneOptions options_;
+  std::vector<SceneShape> shapes_;
+  std::vector<int> first_shape_;                      // [systems + 1]
+  std::vector<std::vector<ShapePair>> self_pairs_;    // [systems]
+  std::vector<std::uint8_t> self_on_;                 // [systems]
+};
+
+/// Scratch memory of find_contacts; one for each thread. Any scene may use it; it grows to the largest.
+struct Workspace {
+  struct Ball {
+    Vec3 c;
+    double r;
+  };
+  struct Extent {
+    Vec3 low, high;
+  };
+  std::vector<Ball> balls;      ///< [shapes] bounding spheres in the world
+  std::vector<Extent> extents;  ///< [systems] boxes along the world's axes that hold all balls of a system
+
+  Workspace() = default;
+  explicit Workspace(const Scene& scene);
+};
+
+/// All contact points with a distance below `margin`, in an order that depends only on the scene: ground contacts by
+/// shape, pairs inside each system, pairs between systems.
+///   points of a pair: sphere with anything 1; capsule with ground, capsule or box up to 2; box with ground every corner
+///   within the margin; box with box up to 4.
+/// The least distance of a pair is the true distance between the two shapes (overlapping boxes: to 1e-4 of the smallest
+/// half extent, because faces are preferred to edges), unless it is above the margin.
+/// Shapes at poses that are not finite have no contacts.
+/// @param X_WB [systems][links] m, world
+/// @param margin m, may be negative
+/// @param out cleared and filled; keeps its memory
+/// No allocation after the first call with the same workspace and out, unless the number of contacts between shapes grows.
+void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& workspace,
+                   std::vector<ContactPoint>& out);
+
+}  // namespace ugoki::collision
