@@ -1,0 +1,100 @@
+#include "ugoki/base/check.h"
+#include "ugoki/dynamics/dynamics.h"
+
+namespace ugoki::dynamics {
+
+void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Workspace& ws) {
+  UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv());
+  const std::span<const Link> links = m.links();
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const Link& link = links[i];
+    const Joint& joint = link.joint;
+    const double* qj = q.data() + link.q_index;
+    const double* vj = v.data() + link.v_index;
+    const bool based = link.parent >= 0;
+    const auto parent = static_cast<std::size_t>(link.parent);
+    const Pose X_WJ = based ? ws.X_WB[parent] * joint.X_PJ : joint.X_PJ;
+    const Pose X_WB = X_WJ * joint_pose(joint, qj);
+    if (i == 0) ws.p0 = X_WB.p;
+    ws.X_WB[i] = X_WB;
+    const Vec3 r = X_WB.p - ws.p0;
+    ws.I[i] = link.inertia.in_parent({X_WB.R, r});
+
+    Vec6 V = based ? ws.V[parent] : Vec6{};
+    Vec6 C;
+    Vec6* S = ws.S.data() + link.v_index;
+    switch (joint.type) {
+      case JointType::fixed: break;
+      case JointType::revolute: {
+        const Vec3 axis = X_WJ.R * joint.axis;
+        S[0] = {axis, cross(r, axis)};
+        const Vec6 vJ = S[0] * vj[0];
+        C = cross_motion(V, vJ);  // vJ x vJ = 0
+        V += vJ;
+        break;
+      }
+      case JointType::spherical: {
+        for (int k = 0; k < 3; ++k) {
+          const Vec3 axis = X_WB.R.column(k);
+          S[k] = {axis, cross(r, axis)};
+        }
+        const Vec3 w = X_WB.R * Vec3{vj[0], vj[1], vj[2]};
+        const Vec6 vJ{w, cross(r, w)};
+        C = cross_motion(V, vJ);
+        V += vJ;
+        break;
+      }
+      default: {
+        Vec6 S_B[6];
+        const int n = joint_subspace(joint, qj, S_B);
+        const Pose X{X_WB.R, r};
+        Vec6 vJ;
+        for (int k = 0; k < n; ++k) {
+          S[k] = X.motion_to_parent(S_B[k]);
+          vJ += S[k] * vj[k];
+        }
+        V += vJ;
+        C = cross_motion(V, vJ) + X.motion_to_parent(joint_bias(joint, qj, vj));
+      }
+    }
+    ws.V[i] = V;
+    ws.C[i] = C;
+  }
+}
+
+void calc_point_jacobian(const Workspace& ws, int link, const Vec3& p_W, std::span<Vec3> rows) {
+  const std::span<const int> chain = chain_of_link(ws, link);
+  const Vec3 r = p_W - ws.p0;
+  for (std::size_t k = 0; k < chain.size(); ++k) {
+    const Vec6& S = ws.S[static_cast<std::size_t>(chain[k])];
+    rows[k] = S.v + cross(S.w, r);
+  }
+}
+
+Vec3 point_velocity(const Workspace& ws, int link, const Vec3& p_W) {
+  const Vec6& V = ws.V[static_cast<std::size_t>(link)];
+  return V.v + cross(V.w, p_W - ws.p0);
+}
+
+double kinetic_energy(const Mechanism& m, const Workspace& ws) {
+  double twice = 0;
+  for (std::size_t i = 0; i < ws.V.size(); ++i) twice += dot(ws.V[i], ws.I[i] * ws.V[i]);
+  UGOKI_CHECK(ws.V.size() == m.links().size());
+  return 0.5 * twice;
+}
+
+double potential_energy(const Mechanism& m, const Workspace& ws, const Vec3& gravity) {
+  UGOKI_CHECK(ws.I.size() == m.links().size());
+  double energy = 0;
+  for (const Inertia& I : ws.I) energy -= dot(gravity, I.h + ws.p0 * I.mass);
+  return energy;
+}
+
+Vec6 momentum(const Mechanism& m, const Workspace& ws) {
+  UGOKI_CHECK(ws.V.size() == m.links().size());
+  Vec6 h;
+  for (std::size_t i = 0; i < ws.V.size(); ++i) h += ws.I[i] * ws.V[i];
+  return {h.w + cross(ws.p0, h.v), h.v};
+}
+
+}  // namespace ugoki::dynamics
