@@ -1,5 +1,27 @@
 #pragma once
-// The container of executable data (*.ugx): named sections with checksums, readable in place. Layout: docs/files.md.
+// The container of executable data (`*.ugx`): named sections behind a table, each with its own checksum.
+//
+// Layout, little-endian. Every section starts at a multiple of 64 bytes, so that arrays of numbers can be used in place.
+//
+//   offset size  what
+//   0      8     magic "UGOKIUGX"
+//   8      4     u32 version (1)
+//   12     4     u32 number of sections N
+//   16     8     u64 size of the whole file, bytes
+//   24     8     u64 Hash64 of the section table
+//   32     32    zeros
+//   64     64 N  section table: 32 bytes name (UTF-8, zero-padded), u64 offset, u64 size, u64 Hash64 of its bytes, u64 0
+//   ...          sections
+//
+// Sections of version 1:
+//
+//   scenario       JSON: the scenario document in its canonical form (docs/scenario.md), `circuit` null
+//   circuit        JSON: the circuit that runs (docs/circuit.md)
+//   placements     f64: for every character in order, for every clip in order of start: x, y, z [m], heading [rad]: the planar pose
+//                  of the motion's origin in the world; world root pose = placement * the motion's root pose
+//   mechanism/ID   JSON of a mechanism (formats/mechanism_json.h), one section for each mechanism of the scenario
+//   motion/ID      binary of a motion (formats/motion_binary.h), one section for each motion of the tracks
+//   head           JSON: {"generator": "ugoki 0.1.0", "project": name}; may be absent
 
 #include <cstddef>
 #include <cstdint>
@@ -14,47 +36,42 @@ namespace ugoki::content {
 
 inline constexpr std::uint32_t ugx_version = 1;
 
-/// Collects sections and lays them out, each at a multiple of 64 bytes.
+struct UgxSection {
+  std::string name;
+  std::span<const std::byte> bytes;  ///< into the memory given to read_ugx
+
+  [[nodiscard]] std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+};
+
+/// The sections of executable data; refers to the memory it was read from.
+class Ugx {
+ public:
+  [[nodiscard]] std::span<const UgxSection> sections() const { return sections_; }
+  /// The section of this name, or null.
+  [[nodiscard]] const UgxSection* find(std::string_view name) const;
+
+ private:
+  friend Result<Ugx> read_ugx(std::span<const std::byte> file);
+  std::vector<UgxSection> sections_;
+};
+
+/// Checks magic, version, sizes, table and every checksum. Errors name the section at fault.
+[[nodiscard]] Result<Ugx> read_ugx(std::span<const std::byte> file);
+
+/// Puts sections together into one file, in the order in which they were added.
 class UgxWriter {
  public:
-  /// @param name 1 ... 39 characters, used once
-  void add(std::string_view name, std::span<const std::byte> data);
-  void add_text(std::string_view name, std::string_view text);
-  void add_doubles(std::string_view name, std::span<const double> values);
+  /// @param name 1 ... 31 bytes, unique
+  void add(std::string name, std::vector<std::byte> bytes);
+  void add(std::string name, std::string_view text);
   [[nodiscard]] std::vector<std::byte> finish() const;
 
  private:
-  struct Section {
-    std::string name;
-    std::vector<std::byte> data;
-  };
-  std::vector<Section> sections_;
-};
-
-/// Looks into the bytes of a container; owns nothing, so the bytes must outlive it.
-class UgxReader {
- public:
-  /// Checks magic, version, size, the table and every section's checksum.
-  /// @param name for messages, usually the file's name
-  [[nodiscard]] static Result<UgxReader> open(std::span<const std::byte> bytes, std::string_view name);
-
   struct Entry {
     std::string name;
-    std::uint64_t offset = 0, size = 0;
+    std::vector<std::byte> bytes;
   };
-  [[nodiscard]] std::span<const Entry> sections() const { return sections_; }
-  [[nodiscard]] bool has(std::string_view name) const;
-  /// The section's bytes, or a problem that names it.
-  [[nodiscard]] Result<std::span<const std::byte>> bytes(std::string_view name) const;
-  [[nodiscard]] Result<std::string_view> text(std::string_view name) const;
-  /// Copies; so the container itself needs no alignment.
-  [[nodiscard]] Result<std::vector<double>> doubles(std::string_view name) const;
-  [[nodiscard]] const std::string& name() const { return name_; }
-
- private:
-  std::string name_;
-  std::span<const std::byte> data_;
-  std::vector<Entry> sections_;
+  std::vector<Entry> entries_;
 };
 
 }  // namespace ugoki::content
