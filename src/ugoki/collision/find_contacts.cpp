@@ -1,0 +1,150 @@
+#include <algorithm>
+
+#include "ugoki/base/check.h"
+#include "ugoki/collision/manifold.h"
+#include "ugoki/collision/scene.h"
+
+namespace ugoki::collision {
+namespace {
+
+constexpr std::uint64_t ground_index = (1U << 20) - 1;
+
+std::uint64_t make_key(std::uint64_t a, std::uint64_t b, std::uint32_t feature) { return (a << 44) | (b << 24) | feature; }
+
+/// Row z of a rotation: world heights of directions given in the link's frame.
+Vec3 heights(const Mat3& R) { return {R.zx, R.zy, R.zz}; }
+
+/// Height of the lowest point of a shape, without its whole pose.
+double lowest_height(const Shape& s, double centre, const Vec3& up_B) {
+  const Vec3 up = transpose_times(s.X_BS.R, up_B);
+  switch (s.type) {
+    case ShapeType::sphere: return centre - s.radius;
+    case ShapeType::capsule: return centre - s.radius - s.half_length * std::fabs(up.z);
+    case ShapeType::box:
+      return centre - s.half_extents.x * std::fabs(up.x) - s.half_extents.y * std::fabs(up.y) - s.half_extents.z * std::fabs(up.z);
+  }
+  return centre;
+}
+
+struct Search {
+  const Scene& scene;
+  std::span<const std::span<const Pose>> X_WB;
+  double margin;
+  Workspace& work;
+  std::vector<ContactPoint>& out;
+  Manifold manifold;
+
+  [[nodiscard]] const Pose& link_pose(const SceneShape& s) const { return X_WB[static_cast<std::size_t>(s.system)][static_cast<std::size_t>(s.link)]; }
+
+  void add(const SceneShape& a, std::uint64_t index_a, const SceneShape* b, std::uint64_t index_b, double friction, double restitution) {
+    for (int i = 0; i < manifold.count; ++i) {
+      const ManifoldPoint& point = manifold.points[static_cast<std::size_t>(i)];
+      ContactPoint& c = out.emplace_back();
+      c.system_a = a.system;
+      c.link_a = a.link;
+      if (b != nullptr) {
+        c.system_b = b->system;
+        c.link_b = b->link;
+      }
+      c.p = point.p;
+      c.n = point.n;
+      c.distance = point.distance;
+      c.friction = friction;
+      c.restitution = restitution;
+      c.key = make_key(index_a, index_b, point.feature);
+    }
+  }
+
+  void ground() {
+    const double height = scene.ground().height, limit = height + margin;
+    const std::span<const SceneShape> shapes = scene.shapes();
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const SceneShape& s = shapes[i];
+      const Pose& X = link_pose(s);
+      const Vec3 up = heights(X.R);
+      const double centre = dot(up, s.shape.X_BS.p) + X.p.z;
+      if (!(centre - s.bound < limit) || !s.movable) continue;
+      if (!(lowest_height(s.shape, centre, up) < limit)) continue;
+      find_ground_manifold(s.shape, X * s.shape.X_BS, height, margin, manifold);
+      add(s, i, nullptr, ground_index, s.ground_friction, s.ground_restitution);
+    }
+  }
+
+  void pair(std::size_t i, std::size_t j) {
+    const Workspace::Ball &ball_a = work.balls[i], &ball_b = work.balls[j];
+    const Vec3 gap = ball_a.c - ball_b.c;
+    const double reach = ball_a.r + ball_b.r + margin;
+    if (!(dot(gap, gap) < reach * reach) || reach <= 0) return;
+    const SceneShape &a = scene.shapes()[i], &b = scene.shapes()[j];
+    find_manifold(a.shape, link_pose(a) * a.shape.X_BS, b.shape, link_pose(b) * b.shape.X_BS, margin, manifold);
+    if (manifold.count == 0) return;
+    add(a, i, &b, j, std::sqrt(a.shape.friction * b.shape.friction), std::max(a.shape.restitution, b.shape.restitution));
+  }
+
+  void bounds() {
+    const std::span<const SceneShape> shapes = scene.shapes();
+    for (std::size_t s = 0; s < X_WB.size(); ++s) {
+      Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+      const auto end = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s) + 1));
+      for (auto i = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s))); i < end; ++i) {
+        const Vec3 c = link_pose(shapes[i]) * shapes[i].shape.X_BS.p;
+        const double r = shapes[i].bound;
+        work.balls[i] = {c, r};
+        low = {std::min(low.x, c.x - r), std::min(low.y, c.y - r), std::min(low.z, c.z - r)};
+        high = {std::max(high.x, c.x + r), std::max(high.y, c.y + r), std::max(high.z, c.z + r)};
+      }
+      work.extents[s] = {low, high};
+    }
+  }
+
+  void within(int system) {
+    for (const ShapePair& p : scene.self_pairs(system)) pair(static_cast<std::size_t>(p.a), static_cast<std::size_t>(p.b));
+  }
+
+  [[nodiscard]] bool near(const Workspace::Extent& a, const Workspace::Extent& b) const {
+    return a.low.x < b.high.x + margin && b.low.x < a.high.x + margin && a.low.y < b.high.y + margin && b.low.y < a.high.y + margin &&
+           a.low.z < b.high.z + margin && b.low.z < a.high.z + margin;
+  }
+
+  void between(int system_a, int system_b) {
+    const Workspace::Extent& other = work.extents[static_cast<std::size_t>(system_b)];
+    if (!near(work.extents[static_cast<std::size_t>(system_a)], other)) return;
+    for (int i = scene.first_shape(system_a); i < scene.first_shape(system_a + 1); ++i) {
+      const auto a = static_cast<std::size_t>(i);
+      const Workspace::Ball& ball = work.balls[a];
+      const Vec3 r{ball.r, ball.r, ball.r};
+      if (!near({ball.c - r, ball.c + r}, other)) continue;
+      const bool a_moves = scene.shapes()[a].movable;
+      for (int j = scene.first_shape(system_b); j < scene.first_shape(system_b + 1); ++j)
+        if (a_moves || scene.shapes()[static_cast<std::size_t>(j)].movable) pair(a, static_cast<std::size_t>(j));
+    }
+  }
+};
+
+}  // namespace
+
+void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& work,
+                   std::vector<ContactPoint>& out) {
+  UGOKI_CHECK(X_WB.size() == scene.systems().size());
+  if (work.balls.size() < scene.shapes().size()) work.balls.resize(scene.shapes().size());
+  if (work.extents.size() < X_WB.size()) work.extents.resize(X_WB.size());
+  out.clear();
+  // Every corner on the ground, and four points between shapes for each shape.
+  if (out.capacity() < 12 * scene.shapes().size()) out.reserve(12 * scene.shapes().size());
+
+  Search search{scene, X_WB, margin, work, out, {}};
+  if (scene.options().with_ground) search.ground();
+  const int systems = static_cast<int>(X_WB.size());
+  const bool between = scene.options().between_systems && systems > 1;
+  bool self = false;
+  for (int s = 0; s < systems; ++s) self = self || scene.self_collision(s);
+  if (!between && !self) return;
+  search.bounds();
+  for (int s = 0; s < systems; ++s)
+    if (scene.self_collision(s)) search.within(s);
+  if (!between) return;
+  for (int a = 0; a < systems; ++a)
+    for (int b = a + 1; b < systems; ++b) search.between(a, b);
+}
+
+}  // namespace ugoki::collision

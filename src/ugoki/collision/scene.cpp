@@ -1,0 +1,101 @@
+#include "ugoki/collision/scene.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "ugoki/base/check.h"
+#include "ugoki/collision/distance.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::collision {
+namespace {
+
+/// Which links of a mechanism are one body, and which bodies share a joint.
+struct Bodies {
+  static constexpr int no_body = -2;
+  std::vector<int> body;                         // [links] index of the first link of its body; -1: the world
+  std::vector<std::pair<int, int>> joined;       // bodies that one joint connects, smaller first
+  std::vector<Vec3> joint_origin;                // [links] m, of its joint, in the frame of the link on which it hangs
+  std::vector<int> hangs_on;                     // [links] body on which its body's joint hangs; -2: on none, it floats
+
+  explicit Bodies(const Mechanism& m) {
+    const auto count = static_cast<std::size_t>(m.link_count());
+    std::vector<Pose> X_body(count);  // pose of the link in its body's first link
+    for (std::size_t i = 0; i < count; ++i) {
+      const Link& link = m.links()[i];
+      const auto p = static_cast<std::size_t>(link.parent);
+      const int parent_body = link.parent < 0 ? -1 : body[p];
+      const Pose X_parent = link.parent < 0 ? Pose{} : X_body[p];
+      const bool welded = link.joint.nv() == 0;
+      body.push_back(welded ? parent_body : static_cast<int>(i));
+      const bool floats = link.joint.type == JointType::floating;
+      hangs_on.push_back(welded && link.parent >= 0 ? hangs_on[p] : floats ? no_body : parent_body);
+      X_body[i] = welded ? X_parent * link.joint.X_PJ : Pose{};
+      const Vec3 origin = X_parent * link.joint.X_PJ.p;
+      joint_origin.push_back(welded && link.parent >= 0 ? joint_origin[p] : origin);
+    }
+    for (std::size_t i = 0; i < count; ++i) {  // a virtual link is its real link's body
+      const Link& link = m.links()[i];
+      if (link.real >= 0) join(hangs_on[i], body[static_cast<std::size_t>(link.real)]);
+      join(hangs_on[i], body[i]);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const Link& link = m.links()[i];
+      if (link.real >= 0) body[i] = body[static_cast<std::size_t>(link.real)];
+    }
+    std::sort(joined.begin(), joined.end());
+  }
+
+  static std::pair<int, int> ordered(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+  void join(int a, int b) { joined.push_back(ordered(a, b)); }
+
+  [[nodiscard]] bool adjacent(int link_a, int link_b) const {
+    const auto a = static_cast<std::size_t>(link_a), b = static_cast<std::size_t>(link_b);
+    if (body[a] == body[b]) return true;
+    if (std::binary_search(joined.begin(), joined.end(), ordered(body[a], body[b]))) return true;
+    return hangs_on[a] == hangs_on[b] && hangs_on[a] != no_body && norm(joint_origin[a] - joint_origin[b]) < 1e-6;
+  }
+};
+
+}  // namespace
+
+Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const SceneOptions& options)
+    : systems_(std::move(systems)), ground_(ground), options_(options) {
+  for (std::size_t s = 0; s < systems_.size(); ++s) {
+    const Mechanism& m = *systems_[s];
+    const Bodies bodies(m);
+    first_shape_.push_back(static_cast<int>(shapes_.size()));
+    self_on_.push_back(options.self_collision ? 1 : 0);
+    for (int i = 0; i < m.link_count(); ++i) {
+      for (const Shape& shape : m.link(i).shapes) {
+        if (!shape.collides) continue;
+        SceneShape& out = shapes_.emplace_back();
+        out.shape = shape;
+        out.system = static_cast<int>(s);
+        out.link = i;
+        out.bound = bounding_radius(shape);
+        out.movable = bodies.body[static_cast<std::size_t>(i)] >= 0;
+        out.ground_friction = std::sqrt(shape.friction * ground.friction);
+        out.ground_restitution = std::max(shape.restitution, ground.restitution);
+      }
+    }
+    UGOKI_CHECK(shapes_.size() < (1U << 20) - 1);  // room in ContactPoint::key
+
+    std::vector<Pose> X_WB(static_cast<std::size_t>(m.link_count()));
+    calc_poses(m, m.neutral(), X_WB);
+    std::vector<ShapePair>& pairs = self_pairs_.emplace_back();
+    for (std::size_t i = static_cast<std::size_t>(first_shape_.back()); i < shapes_.size(); ++i) {
+      for (std::size_t j = i + 1; j < shapes_.size(); ++j) {
+        const SceneShape &a = shapes_[i], &b = shapes_[j];
+        if (bodies.adjacent(a.link, b.link)) continue;
+        const double d = distance(a.shape, X_WB[static_cast<std::size_t>(a.link)], b.shape, X_WB[static_cast<std::size_t>(b.link)]);
+        if (d > 1e-9) pairs.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
+      }
+    }
+  }
+  first_shape_.push_back(static_cast<int>(shapes_.size()));
+}
+
+Workspace::Workspace(const Scene& scene) : balls(scene.shapes().size()), extents(scene.systems().size()) {}
+
+}  // namespace ugoki::collision
