@@ -1,0 +1,82 @@
+# Shared by ./start, ./test and ./bench: telling what happens and how long it takes, and the builds.
+# Sourced with `root` set to the folder of the project. Logs go to build/log/.
+
+log_dir="$root/build/log"
+mkdir -p "$log_dir"
+
+now() { date +%s%3N; }
+seconds_since() { local ms=$(($(now) - $1)); printf '%d.%01d s' $((ms / 1000)) $((ms % 1000 / 100)); }
+say() { printf '%s\n' "$*"; }
+
+# step NAME LOG COMMAND...: runs a command with its output in a log; one line with the time, the log's end on failure.
+step() {
+  local name=$1 log="$log_dir/$2.log" began
+  shift 2
+  began=$(now)
+  printf '%-34s ' "$name"
+  [ -t 1 ] || printf '...\n'
+  if "$@" >"$log" 2>&1; then
+    [ -t 1 ] || printf '%-34s ' "$name"
+    printf 'done in %s\n' "$(seconds_since "$began")"
+  else
+    printf 'FAILED after %s. The end of %s:\n\n' "$(seconds_since "$began")" "$log"
+    tail -n 60 "$log"
+    return 1
+  fi
+}
+
+# As many jobs as cores, but at least 1.5 GB of memory for each.
+build_jobs() {
+  local cores memory
+  cores=$(nproc)
+  memory=$(awk '/^MemAvailable/ {print int($2 / 1500000)}' /proc/meminfo 2>/dev/null || echo 1)
+  [ "$memory" -ge 1 ] || memory=1
+  echo $((cores < memory ? cores : memory))
+}
+
+# configure PRESET [cmake options]: only where it was not done, or the options given differ from those of last time.
+configure() {
+  local preset=$1 dir="$root/build/$1"
+  shift
+  if [ -f "$dir/build.ninja" ] && [ "$*" = "$(cat "$dir/.configured" 2>/dev/null || echo -)" ]; then return 0; fi
+  if command -v ccache >/dev/null; then
+    export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
+  fi
+  step "configure ($preset)" "configure-$preset" cmake -S "$root" --preset "$preset" "$@" && printf '%s' "$*" >"$dir/.configured"
+}
+
+# build PRESET [targets]: on a terminal ninja shows its progress; elsewhere its output goes to the log.
+build() {
+  local preset=$1 dir="$root/build/$1" began
+  shift
+  began=$(now)
+  if [ -t 1 ]; then
+    say "build ($preset)"
+    ninja -C "$dir" -j "$(build_jobs)" "$@" || return 1
+    printf '%-34s done in %s\n' "build ($preset)" "$(seconds_since "$began")"
+  else
+    step "build ($preset)" "build-$preset" ninja -C "$dir" -j "$(build_jobs)" "$@"
+  fi
+}
+
+# Names, sizes and times of the files that the page is made of.
+web_sources_hash() {
+  (cd "$root/web" && find . \( -name node_modules -o -name dist -o -name test-results \) -prune -o -type f -printf '%p %s %T@\n' | sort | sha256sum)
+}
+
+# The packages that web/package-lock.json names, into web/node_modules.
+web_packages() {
+  local stamp="$root/web/node_modules/.installed" wanted
+  wanted=$(cd "$root/web" && sha256sum package.json package-lock.json && node --version)
+  [ "$wanted" != "$(cat "$stamp" 2>/dev/null || true)" ] || return 0
+  step "web packages (npm ci)" npm-ci npm --prefix "$root/web" ci --no-audit --no-fund && printf '%s' "$wanted" >"$stamp"
+}
+
+# web/dist, anew where a source changed.
+web_build() {
+  local stamp="$root/web/dist/.built" wanted
+  web_packages || return 1
+  wanted=$(web_sources_hash)
+  [ "$wanted" != "$(cat "$stamp" 2>/dev/null || true)" ] || return 0
+  step "web page (vite)" web-build npm --prefix "$root/web" run build && printf '%s' "$wanted" >"$stamp"
+}

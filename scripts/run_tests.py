@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Runs the suites that ./test has built, counts every single test, and ends with `N passed, M failed`.
+
+    run_tests.py list < ctest.json      names of the C++ suites, one a line
+    run_tests.py run --root DIR ...     see ./test
+"""
+
+import argparse
+import concurrent.futures
+import dataclasses
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import time
+
+FAST_SECONDS, SLOW_SECONDS = 600, 3000  # a suite that takes longer hangs
+
+
+@dataclasses.dataclass
+class Outcome:
+    """What one suite gave. A suite that ran no test has failed, unless all its tests are slow ones left out on purpose."""
+
+    suite: str
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    seconds: float = 0.0
+    report: str = ""
+    note: str = ""
+
+    def line(self):
+        verdict = "ok  " if self.failed == 0 else "FAIL"
+        skipped = f", {self.skipped} skipped" if self.skipped else ""
+        note = f"  ({self.note})" if self.note else ""
+        return f"{verdict} {self.suite:<28} {self.passed:>5} passed, {self.failed} failed{skipped}  {self.seconds:6.1f} s{note}"
+
+
+def run(command, seconds, **options):
+    """Exit status and output of a command; a hanging one is ended."""
+    try:
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=seconds, errors="replace",
+                              stdin=subprocess.DEVNULL, **options)
+        return done.returncode, done.stdout
+    except subprocess.TimeoutExpired as late:
+        output = late.stdout or b""
+        output = output if isinstance(output, str) else output.decode(errors="replace")
+        return 124, f"{output}\nended: still running after {seconds} s\n"
+
+
+def list_programs():
+    for test in json.load(sys.stdin)["tests"]:
+        print(test["name"])
+
+
+def gtest_suite(name, program, pattern, slow, results, seconds):
+    """One GoogleTest program, counted by its own JSON report."""
+    outcome = Outcome(name)
+    listed_status, listed = run([program, "--gtest_list_tests"], seconds)
+    if listed_status != 0 or not re.search(r"^  \S", listed, re.M):
+        outcome.failed, outcome.report = 1, f"{program} lists no tests\n{listed}"
+        return outcome
+    report = results / (name.replace("/", "-") + ".json")
+    chosen = pattern or "*"
+    if not slow and not pattern:
+        chosen = "*-Slow*"
+    status, output = run([program, f"--gtest_filter={chosen}", f"--gtest_output=json:{report}", "--gtest_brief=1"], seconds,
+                         cwd=pathlib.Path(program).parent)
+    messages = []
+    try:
+        suites = json.loads(report.read_text(errors="replace"))["testsuites"]
+    except (OSError, ValueError, KeyError):
+        outcome.failed, outcome.report = 1, f"{program} ended with status {status} and left no report\n{output}"
+        return outcome
+    for suite in suites:
+        for test in suite["testsuite"]:
+            if test.get("failures"):
+                outcome.failed += 1
+                messages += [f"{suite['name']}.{test['name']}\n{failure['failure']}" for failure in test["failures"]]
+            elif test.get("result") == "SKIPPED":
+                outcome.skipped += 1
+            elif test.get("status") == "RUN":
+                outcome.passed += 1
+    if status != 0 and outcome.failed == 0:
+        outcome.failed, messages = 1, [f"{program} ended with status {status}\n{output}"]
+    if outcome.passed + outcome.failed + outcome.skipped == 0 and not pattern:
+        outcome.note = "all its tests are slow ones: ./test --all"
+    outcome.report = "\n\n".join(messages)
+    if outcome.skipped:
+        reasons = set(re.findall(r"^.*: Skipped\n(.+)$", output, re.M))
+        outcome.note = "; ".join(sorted(reasons))[:160]
+    return outcome
+
+
+def vitest_suite(root, results):
+    outcome = Outcome("web")
+    report = results / "web.json"
+    status, output = run(["npx", "--no-install", "vitest", "run", "--reporter=json", f"--outputFile={report}"], FAST_SECONDS,
+                         cwd=root / "web")
+    try:
+        told = json.loads(report.read_text())
+        outcome.passed, outcome.failed = told["numPassedTests"], told["numFailedTests"]
+        outcome.skipped = told["numPendingTests"] + told["numTodoTests"]
+        messages = [f"{test['fullName']}\n" + "\n".join(test["failureMessages"])
+                    for file in told["testResults"] for test in file["assertionResults"] if test["status"] == "failed"]
+        messages += [f"{file['name']}\n{file['message']}" for file in told["testResults"]
+                     if file["status"] == "failed" and not file["assertionResults"]]
+    except (OSError, ValueError, KeyError):
+        messages = [output]
+    if (status != 0 and outcome.failed == 0) or outcome.passed + outcome.failed == 0:
+        outcome.failed += 1
+        messages = messages or [output]
+    status, output = run(["npm", "run", "--silent", "typecheck"], FAST_SECONDS, cwd=root / "web")
+    outcome.passed, outcome.failed = outcome.passed + (status == 0), outcome.failed + (status != 0)
+    outcome.report = "\n\n".join(messages + ([f"types (npm run typecheck)\n{output}"] if status else []))
+    return outcome
+
+
+def lines_suite(name, command, seconds, **options):
+    """A program that prints a line for each test: `ok ...`, `not ok ...` or `skip ...`."""
+    outcome = Outcome(name)
+    status, output = run(command, seconds, **options)
+    outcome.passed = len(re.findall(r"^ok\b", output, re.M))
+    outcome.failed = len(re.findall(r"^not ok\b", output, re.M))
+    outcome.skipped = len(re.findall(r"^skip\b", output, re.M))
+    if (status != 0 and outcome.failed == 0) or outcome.passed + outcome.failed + outcome.skipped == 0:
+        outcome.failed += 1
+        output += f"\n{' '.join(map(str, command))} ended with status {status}"
+    outcome.report = output if outcome.failed else ""
+    outcome.note = "; ".join(re.findall(r"^skip\b *(.*)$", output, re.M))[:160]
+    return outcome
+
+
+def timed(suite, *arguments, **options):
+    began = time.monotonic()
+    outcome = suite(*arguments, **options)
+    outcome.seconds = time.monotonic() - began
+    return outcome
+
+
+def run_all(options):
+    root, results = pathlib.Path(options.root), pathlib.Path(options.results)
+    began = time.monotonic()
+    outcomes = []
+
+    def tell(outcome):
+        outcomes.append(outcome)
+        print(outcome.line(), flush=True)
+        if outcome.failed:
+            print("\n" + outcome.report.strip() + "\n", flush=True)
+
+    os.environ["UGOKI_BIN"] = str(root / "build/release/bin/ugoki")
+    os.environ["UGOKI_WEB"] = str(root / "web/dist")
+    os.environ["ASAN_OPTIONS"] = "detect_leaks=1:strict_string_checks=1:detect_stack_use_after_return=1"
+    os.environ["UBSAN_OPTIONS"] = "print_stacktrace=1:halt_on_error=1"
+    for preset in options.programs:
+        programs = [(name, str(root / "build" / preset / "bin" / f"ugoki_{name}_test"))
+                    for name in (results / f"{preset}.suites").read_text().split()]
+        slow = options.slow and preset == "release"
+        seconds = SLOW_SECONDS if options.slow or preset != "release" else FAST_SECONDS
+        with concurrent.futures.ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+            running = [pool.submit(timed, gtest_suite, name if preset == "release" else f"{name} [{preset}]", program,
+                                   options.pattern, slow, results, seconds) for name, program in programs]
+            for done in concurrent.futures.as_completed(running):
+                tell(done.result())
+    if options.wasm:
+        tell(timed(lines_suite, "wasm", ["node", str(root / "tests/wasm/run.mjs"), str(root / "build/wasm/bin"),
+                                         os.environ["UGOKI_BIN"]], FAST_SECONDS, cwd=root))
+    if options.web:
+        tell(timed(vitest_suite, root, results))
+    if options.e2e:
+        tell(timed(lines_suite, "e2e", ["npm", "run", "--silent", "e2e"], FAST_SECONDS, cwd=root / "web"))
+    if options.unbuilt:
+        tell(Outcome("build", failed=1, report="Something did not build: see above."))
+
+    passed, failed, skipped = (sum(getattr(outcome, field) for outcome in outcomes) for field in ("passed", "failed", "skipped"))
+    if passed == 0 and failed == 0:
+        failed = 1
+        print("No test ran: nothing matches.")
+    failing = [outcome.suite for outcome in outcomes if outcome.failed]
+    print(f"{len(outcomes)} suites in {time.monotonic() - began:.1f} s" + (f"; failing: {', '.join(failing)}" if failing else ""))
+    print(f"{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
+    return 1 if failed else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    verbs = parser.add_subparsers(dest="verb", required=True)
+    verbs.add_parser("list")
+    runner = verbs.add_parser("run")
+    runner.add_argument("--root", required=True)
+    runner.add_argument("--results", required=True)
+    runner.add_argument("--pattern", default="")
+    runner.add_argument("--programs", action="append", default=[], metavar="PRESET")
+    for flag in ("--slow", "--wasm", "--web", "--e2e", "--unbuilt"):
+        runner.add_argument(flag, action="store_true")
+    options = parser.parse_args()
+    if options.verb == "list":
+        list_programs()
+        return 0
+    return run_all(options)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
