@@ -1,0 +1,126 @@
+#include "ugoki/control/contact_forces.h"
+
+#include <cmath>
+
+#include "ugoki/base/check.h"
+
+namespace ugoki::control {
+namespace {
+
+using Array6 = std::array<double, 6>;
+
+Array6 to_array(const Vec6& x) { return {x.w.x, x.w.y, x.w.z, x.v.x, x.v.y, x.v.z}; }
+Vec6 to_vec(const Array6& x) { return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }
+
+/// Solves the symmetric positive definite H x = b in place by Cholesky. @param H lower triangle, row by row
+void solve_spd(std::array<Array6, 6>& H, Array6& b) {
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      double sum = H[i][j];
+      for (std::size_t k = 0; k < j; ++k) sum -= H[i][k] * H[j][k];
+      H[i][j] = i == j ? std::sqrt(sum) : sum / H[j][j];
+    }
+    for (std::size_t k = 0; k < i; ++k) b[i] -= H[i][k] * b[k];
+    b[i] /= H[i][i];
+  }
+  for (std::size_t i = 6; i-- > 0;) {
+    for (std::size_t k = i + 1; k < 6; ++k) b[i] -= H[k][i] * b[k];
+    b[i] /= H[i][i];
+  }
+}
+
+}  // namespace
+
+ContactForceProblem::ContactForceProblem(std::size_t capacity) {
+  columns_.reserve(4 * capacity);
+  edges_.reserve(4 * capacity);
+}
+
+Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& origin, const Vec6& wrench, double lever, double softness,
+                                std::span<Vec3> forces) {
+  UGOKI_CHECK(forces.size() == supports.size() && lever > 0 && softness > 0);
+  iterations_ = 0;
+  columns_.clear();
+  edges_.clear();
+  if (supports.empty()) return wrench;
+  for (const Support& s : supports) {
+    const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
+    for (const Vec3& t : {t1, -t1, t2, -t2}) {
+      const Vec3 edge = s.n + t * s.friction;
+      edges_.push_back(edge);
+      columns_.push_back({cross(s.p - origin, edge) / lever, edge});
+    }
+  }
+  const Array6 w = to_array({wrench.w / lever, wrench.v});
+
+  // Minimize phi(y) = |y|^2 / 2 + |max(0, G^T y)|^2 / (2 eps) - w.y; beta = max(0, G^T y) / eps, missing = y.
+  const auto objective = [&](const Array6& y) {
+    double value = 0;
+    for (std::size_t i = 0; i < 6; ++i) value += y[i] * (0.5 * y[i] - w[i]);
+    const Vec6 yv = to_vec(y);
+    for (const Vec6& g : columns_) {
+      const double b = dot(g, yv);
+      if (b > 0) value += 0.5 * b * b / softness;
+    }
+    return value;
+  };
+  Array6 y{};
+  double value = 0;
+  for (iterations_ = 0; iterations_ < 50; ++iterations_) {
+    std::array<Array6, 6> H{};
+    Array6 step;
+    for (std::size_t i = 0; i < 6; ++i) {
+      H[i][i] = 1;
+      step[i] = w[i] - y[i];
+    }
+    const Vec6 yv = to_vec(y);
+    for (const Vec6& column : columns_) {
+      const double b = dot(column, yv);
+      // at the start (y = 0) every edge that points along the wanted wrench is taken as loaded
+      if (iterations_ > 0 ? b <= 0 : dot(column, to_vec(w)) <= 0) continue;
+      const Array6 g = to_array(column);
+      for (std::size_t i = 0; i < 6; ++i) {
+        step[i] -= g[i] * b / softness;
+        for (std::size_t j = 0; j <= i; ++j) H[i][j] += g[i] * g[j] / softness;
+      }
+    }
+    solve_spd(H, step);
+    double slope = 0, size = 0;
+    for (std::size_t i = 0; i < 6; ++i) size += step[i] * step[i];
+    if (size < 1e-18 * (1 + dot(to_vec(w), to_vec(w)))) break;
+    Array6 gradient;
+    for (std::size_t i = 0; i < 6; ++i) gradient[i] = y[i] - w[i];
+    for (const Vec6& column : columns_) {
+      const double b = dot(column, yv);
+      if (b <= 0) continue;
+      const Array6 g = to_array(column);
+      for (std::size_t i = 0; i < 6; ++i) gradient[i] += g[i] * b / softness;
+    }
+    for (std::size_t i = 0; i < 6; ++i) slope += gradient[i] * step[i];
+    double length = 1;
+    for (int tries = 0; tries < 30; ++tries, length *= 0.5) {
+      Array6 next;
+      for (std::size_t i = 0; i < 6; ++i) next[i] = y[i] + length * step[i];
+      const double there = objective(next);
+      if (there <= value + 1e-4 * length * slope || tries == 29) {
+        y = next;
+        value = there;
+        break;
+      }
+    }
+  }
+  const Vec6 yv = to_vec(y);
+  Vec6 missing = wrench;
+  for (std::size_t i = 0; i < supports.size(); ++i) {
+    Vec3 force;
+    for (std::size_t k = 4 * i; k < 4 * i + 4; ++k) {
+      const double b = dot(columns_[k], yv);
+      if (b > 0) force += edges_[k] * (b / softness);
+    }
+    forces[i] = force;
+    missing -= Vec6{cross(supports[i].p - origin, force), force};
+  }
+  return missing;
+}
+
+}  // namespace ugoki::control

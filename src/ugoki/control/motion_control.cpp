@@ -1,0 +1,117 @@
+#include "ugoki/control/motion_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/check.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::control {
+namespace {
+
+constexpr std::size_t most_supports = 64;
+
+double lowest_point(const Shape& s, const Pose& X_WB) {
+  const Pose X = X_WB * s.X_BS;
+  switch (s.type) {
+    case ShapeType::sphere: return X.p.z - s.radius;
+    case ShapeType::capsule: return X.p.z - s.radius - std::fabs(X.R.zz) * s.half_length;
+    case ShapeType::box: return X.p.z - std::fabs(X.R.zx) * s.half_extents.x - std::fabs(X.R.zy) * s.half_extents.y - std::fabs(X.R.zz) * s.half_extents.z;
+  }
+  return X.p.z;
+}
+
+}  // namespace
+
+MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
+    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), problem_(most_supports) {
+  const Mechanism& m = *mechanism_;
+  wanted_.resize(static_cast<std::size_t>(m.nv()));
+  displacement_.resize(wanted_.size());
+  supports_.reserve(most_supports);
+  support_links_.reserve(most_supports);
+  forces_.resize(most_supports);
+  weight_ = m.mass() * norm(options_.gravity);
+  floating_ = m.link(0).joint.type == JointType::floating;
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  calc_poses(m, m.neutral(), X);
+  double low = X[0].p.z;
+  for (std::size_t i = 0; i < X.size(); ++i) {
+    low = std::min(low, X[i].p.z);
+    for (const Shape& s : m.links()[i].shapes) low = std::min(low, lowest_point(s, X[i]));
+  }
+  lever_ = std::max(0.1, X[0].p.z - low);
+}
+
+ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau) {
+  const Mechanism& m = *mechanism_;
+  dynamics::Workspace& ws = workspace_;
+  const std::size_t n = wanted_.size();
+  UGOKI_CHECK(tau.size() == n && in.q_ref.size() == in.q.size() && in.v_ref.size() == n && in.a_ref.size() == n);
+  ControlOutput out;
+  out.let_go = state.let_go != 0;
+  for (double& t : tau) t = 0;
+  if (out.let_go) return out;
+
+  // 1. Wanted accelerations; both errors are taken where they will be at the end of the step.
+  difference(m, in.q, in.q_ref, wanted_);
+  const double joint_w = options_.joint_frequency * std::sqrt(std::max(0.0, options_.tracking));
+  const double root_w = options_.root_frequency * std::sqrt(std::max(0.0, options_.balance));
+  const std::size_t root_freedoms = floating_ ? 6 : 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double w = i < root_freedoms ? root_w : joint_w;
+    const double kp = w * w, kd = 2 * w;
+    const double slip = in.v_ref[i] - in.v[i];
+    wanted_[i] = in.a_ref[i] + (kp * (wanted_[i] + in.dt * slip) + kd * slip) / (1 + in.dt * kd + in.dt * in.dt * kp);
+  }
+
+  // 2. Inverse dynamics
+  dynamics::update_kinematics(m, in.q, in.v, ws);
+  dynamics::calc_inverse_dynamics(m, ws, wanted_, options_.gravity, {}, tau);
+
+  // 3. Contact forces
+  if (floating_) {
+    supports_.clear();
+    support_links_.clear();
+    for (const collision::ContactPoint& c : in.contacts) {
+      if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == most_supports) continue;
+      const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
+      if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
+      supports_.push_back({c.p, c.n, 0.7 * c.friction});  // inside the true cone: the pyramid's edges touch it, and a reserve
+      support_links_.push_back(c.link_a);
+    }
+    const std::span<Vec3> forces(forces_.data(), supports_.size());
+    out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
+    for (std::size_t c = 0; c < supports_.size(); ++c) {
+      const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
+      for (const int f : dynamics::chain_of_link(ws, support_links_[c])) tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
+    }
+    // 4. Root assist
+    const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
+    const double cap = options_.assist_limit * weight_;
+    out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;
+    state.overload += in.dt / options_.patience * (std::min(out.ratio, 10.0) - state.overload);
+    if (state.overload > 1) {
+      state.let_go = 1;
+      out.let_go = true;
+      for (double& t : tau) t = 0;
+      return out;
+    }
+    out.assist = out.wanted * (out.ratio > 1 ? 1 / out.ratio : 1.0);
+    out.size_bw = std::min(wanted_size, cap) / weight_;
+    for (std::size_t i = 0; i < root_freedoms; ++i) tau[i] = 0;
+  }
+
+  // The joints' own springs and dampers work by themselves; the drive gives the rest, within its limits.
+  for (const Link& link : m.links()) joint_displacement(link.joint, in.q.data() + link.q_index, displacement_.data() + link.v_index);
+  for (std::size_t i = root_freedoms; i < n; ++i) {
+    const Freedom& f = ws.freedoms[i];
+    const double next_v = in.v[i] + in.dt * wanted_[i];
+    tau[i] += f.damping * next_v;
+    if (f.stiffness > 0) tau[i] += f.stiffness * (displacement_[i] + in.dt * next_v - f.rest);
+    tau[i] = std::clamp(tau[i], -f.effort, f.effort);
+  }
+  return out;
+}
+
+}  // namespace ugoki::control

@@ -1,0 +1,86 @@
+#pragma once
+// Motion control: joint torques that make a figure follow a reference motion on its own feet.
+//
+// Each tick:
+//   1. wanted acceleration = reference + stable PD on the error (Tan, Liu, Turk 2011), for the joints and for the root;
+//   2. inverse dynamics gives the joint torques and the wrench that the root would need;
+//   3. contact forces at the points where the figure stands, inside their friction pyramids, give as much of that wrench as they
+//      can (contact_forces.h; Abe 2007, da Silva 2008); joint torques carry them;
+//   4. what is still missing is the root assist: capped, applied, and reported. While more is wanted than the cap for longer
+//      than a moment, the figure lets go: from then on there is no drive torque and no assist. It is a ragdoll.
+
+#include <span>
+#include <vector>
+
+#include "ugoki/collision/contact_point.h"
+#include "ugoki/control/contact_forces.h"
+#include "ugoki/dynamics/dynamics.h"
+
+namespace ugoki::control {
+
+struct ControlOptions {
+  double tracking = 1;        ///< factor on the joints' gains, 0 ... 2
+  double balance = 1;         ///< factor on the root's gains, 0 ... 2
+  double joint_frequency = 25;  ///< rad/s: how fast a joint's error decays (critically damped)
+  double root_frequency = 8;    ///< rad/s: the same for the root
+  double assist_limit = 0.5;  ///< body weights: cap of the root assist (moments count at the lever of the root's height)
+  double patience = 0.1;      ///< s: time constant with which the wanted assist is averaged before the figure lets go
+  double contact_margin = 0.004;  ///< m: contacts nearer than this can bear load
+  Vec3 gravity{0, 0, -9.81};
+};
+
+/// Memory from tick to tick: plain data, for saving and restoring.
+struct ControlState {
+  double overload = 0;     ///< averaged wanted assist / cap
+  std::uint64_t let_go = 0;  ///< 1 once the figure has let go
+};
+
+/// Input of one tick; spans of the caller's memory.
+struct ControlInput {
+  std::span<const double> q, v;              ///< present state [nq], [nv]
+  std::span<const double> q_ref, v_ref, a_ref;  ///< reference at the present time [nq], [nv], [nv]
+  std::span<const collision::ContactPoint> contacts;  ///< of collision analysis at the present state
+  int system = 0;                            ///< this figure's index in the contacts
+  double dt = 0.002;                         ///< s
+};
+
+/// Output of one tick.
+struct ControlOutput {
+  Vec6 assist;          ///< applied root assist: moment about the root link's origin [N m], force [N], world axes
+  Vec6 wanted;          ///< before the cap
+  double ratio = 0;     ///< size of the wanted assist / cap
+  double size_bw = 0;   ///< size of the applied assist in body weights, moments included at the lever
+  bool let_go = false;
+};
+
+class MotionControl {
+ public:
+  MotionControl(MechanismPtr mechanism, const ControlOptions& options);
+
+  /// @param tau [nv, out] drive forces; zero for the root's freedoms and after letting go
+  ControlOutput step(const ControlInput& input, ControlState& state, std::span<double> tau);
+
+  [[nodiscard]] const ControlOptions& options() const { return options_; }
+  [[nodiscard]] const Mechanism& mechanism() const { return *mechanism_; }
+  /// m: distance at which a moment counts as a force in the size of the assist; the root's height above the lowest point
+  /// in the neutral position.
+  [[nodiscard]] double lever() const { return lever_; }
+  /// The assist as an external wrench on the root link about the world origin. @param X_WB pose of the root link
+  [[nodiscard]] static Vec6 about_world_origin(const Vec6& assist, const Vec3& root) { return {assist.w + cross(root, assist.v), assist.v}; }
+
+ private:
+  MechanismPtr mechanism_;
+  ControlOptions options_;
+  dynamics::Workspace workspace_;
+  ContactForceProblem problem_;
+  double lever_ = 1;
+  double weight_ = 0;     // N
+  bool floating_ = false;
+  std::vector<double> wanted_;   // [nv] accelerations
+  std::vector<double> displacement_;
+  std::vector<Support> supports_;
+  std::vector<int> support_links_;
+  std::vector<Vec3> forces_;
+};
+
+}  // namespace ugoki::control
