@@ -28,6 +28,7 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   const Mechanism& m = *mechanism_;
   wanted_.resize(static_cast<std::size_t>(m.nv()));
   displacement_.resize(wanted_.size());
+  bears_.resize(wanted_.size());
   supports_.reserve(most_supports);
   support_links_.reserve(most_supports);
   forces_.resize(most_supports);
@@ -53,33 +54,40 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   for (double& t : tau) t = 0;
   if (out.let_go) return out;
 
-  // 1. Wanted accelerations; both errors are taken where they will be at the end of the step.
+  // Where it stands, and which freedoms lie between the ground and the root.
+  const std::size_t root_freedoms = floating_ ? 6 : 0;
+  dynamics::update_kinematics(m, in.q, in.v, ws);
+  supports_.clear();
+  support_links_.clear();
+  for (std::size_t i = 0; i < n; ++i) bears_[i] = i < root_freedoms ? 1 : 0;
+  if (floating_) {
+    for (const collision::ContactPoint& c : in.contacts) {
+      if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == most_supports) continue;
+      const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
+      if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
+      supports_.push_back({c.p, c.n, 0.7 * c.friction});  // a reserve inside the true cone
+      support_links_.push_back(c.link_a);
+      for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_[static_cast<std::size_t>(f)] = 1;
+    }
+  }
+
+  // 1. Wanted accelerations; both errors are taken where they will be at the end of the step. The root and the joints that bear
+  // it share one gain: feet on the ground tie them together, and unequal gains on tied freedoms are unstable.
   difference(m, in.q, in.q_ref, wanted_);
   const double joint_w = options_.joint_frequency * std::sqrt(std::max(0.0, options_.tracking));
   const double root_w = options_.root_frequency * std::sqrt(std::max(0.0, options_.balance));
-  const std::size_t root_freedoms = floating_ ? 6 : 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const double w = i < root_freedoms ? root_w : joint_w;
+    const double w = bears_[i] ? root_w : joint_w;
     const double kp = w * w, kd = 2 * w;
     const double slip = in.v_ref[i] - in.v[i];
     wanted_[i] = in.a_ref[i] + (kp * (wanted_[i] + in.dt * slip) + kd * slip) / (1 + in.dt * kd + in.dt * in.dt * kp);
   }
 
   // 2. Inverse dynamics
-  dynamics::update_kinematics(m, in.q, in.v, ws);
   dynamics::calc_inverse_dynamics(m, ws, wanted_, options_.gravity, {}, tau);
 
   // 3. Contact forces
   if (floating_) {
-    supports_.clear();
-    support_links_.clear();
-    for (const collision::ContactPoint& c : in.contacts) {
-      if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == most_supports) continue;
-      const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
-      if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
-      supports_.push_back({c.p, c.n, 0.7 * c.friction});  // inside the true cone: the pyramid's edges touch it, and a reserve
-      support_links_.push_back(c.link_a);
-    }
     const std::span<Vec3> forces(forces_.data(), supports_.size());
     out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
     for (std::size_t c = 0; c < supports_.size(); ++c) {

@@ -22,7 +22,7 @@ struct ControlOptions {
   double tracking = 1;        ///< factor on the joints' gains, 0 ... 2
   double balance = 1;         ///< factor on the root's gains, 0 ... 2
   double joint_frequency = 25;  ///< rad/s: how fast a joint's error decays (critically damped)
-  double root_frequency = 8;    ///< rad/s: the same for the root
+  double root_frequency = 10;   ///< rad/s: the same for the root and the joints of legs that stand
   double assist_limit = 0.5;  ///< body weights: cap of the root assist (moments count at the lever of the root's height)
   double patience = 0.1;      ///< s: time constant with which the wanted assist is averaged before the figure lets go
   double contact_margin = 0.004;  ///< m: contacts nearer than this can bear load
@@ -78,6 +78,7 @@ class MotionControl {
   bool floating_ = false;
   std::vector<double> wanted_;   // [nv] accelerations
   std::vector<double> displacement_;
+  std::vector<unsigned char> bears_;  // [nv] lies between the ground and the root
   std::vector<Support> supports_;
   std::vector<int> support_links_;
   std::vector<Vec3> forces_;

@@ -1,0 +1,120 @@
+#include "ugoki/control/motion_control.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ugoki/collision/scene.h"
+#include "ugoki/contact/stepper.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::control {
+namespace {
+
+/// A trunk on two straight legs with box feet: hips and ankles are ball joints.
+MechanismPtr biped() {
+  MechanismSpec spec;
+  spec.name = "biped";
+  const auto add = [&](const std::string& name, const std::string& parent, JointType type, const Vec3& at, const Shape& shape, double density) {
+    LinkSpec l;
+    l.name = name;
+    l.parent = parent;
+    l.joint.type = type;
+    l.joint.X_PJ.p = at;
+    l.inertia = solid_inertia(shape, density);
+    l.shapes.push_back(shape);
+    spec.links.push_back(l);
+  };
+  add("trunk", "", JointType::floating, {}, Shape::box({0.1, 0.15, 0.3}, {Mat3::identity(), {0, 0, 0.3}}), 1000);
+  for (const double side : {-1.0, 1.0}) {
+    const std::string s = side < 0 ? "right" : "left";
+    add("leg " + s, "trunk", JointType::spherical, {0, 0.1 * side, 0}, Shape::capsule(0.06, {0, 0, -0.1}, {0, 0, -0.75}), 1000);
+    add("foot " + s, "leg " + s, JointType::spherical, {0, 0, -0.85}, Shape::box({0.12, 0.05, 0.03}, {Mat3::identity(), {0.05, 0, -0.03}}), 1000);
+  }
+  return Mechanism::make(std::move(spec)).value();
+}
+
+struct Simulation {
+  MechanismPtr m = biped();
+  collision::Scene scene{{m}};
+  collision::Workspace workspace{scene};
+  contact::Stepper stepper{{m}, {}};
+  MotionControl control;
+  ControlState memory;
+  State state{*m};
+  std::vector<Pose> X{static_cast<std::size_t>(m->link_count())};
+  std::vector<collision::ContactPoint> contacts;
+  std::vector<double> reference = m->neutral(), rest = std::vector<double>(static_cast<std::size_t>(m->nv()));
+  ControlOutput last;
+
+  explicit Simulation(const ControlOptions& options = {}) : control(m, options) {
+    state.q[2] = reference[2] = 0.91;
+  }
+  void step(const Vec3& push) {
+    calc_poses(*m, state.q, X);
+    const std::span<const Pose> poses(X);
+    collision::find_contacts(scene, std::span(&poses, 1), 0.02, workspace, contacts);
+    last = control.step({state.q, state.v, reference, rest, rest, contacts, 0, 0.002}, memory, state.tau);
+    state.external[0] = MotionControl::about_world_origin(last.assist, X[0].p);
+    const Vec3 chest = X[0] * Vec3{0, 0, 0.4};
+    state.external[0] += Vec6{cross(chest, push), push};
+    contact::StepSystem system{state.q, state.v, state.tau, state.external};
+    ASSERT_EQ(stepper.step(std::span(&system, 1), contacts, 0.002).status, contact::StepStatus::ok);
+  }
+};
+
+TEST(MotionControl, StandsOnItsOwnFeet) {
+  Simulation s;
+  double worst = 0;
+  for (int i = 0; i < 2000; ++i) {
+    s.step({});
+    if (i > 500) worst = std::max(worst, s.last.size_bw);
+  }
+  EXPECT_FALSE(s.last.let_go);
+  EXPECT_LT(worst, 0.01);
+  EXPECT_NEAR(s.state.q[2], 0.91, 0.005);
+}
+
+TEST(MotionControl, SwaysUnderAPushAndComesBack) {
+  Simulation s;
+  for (int i = 0; i < 500; ++i) s.step({});
+  double sway = 0;
+  for (int i = 0; i < 1500; ++i) {
+    s.step(i < 100 ? Vec3{100, 0, 0} : Vec3{});
+    sway = std::max(sway, (s.X[0] * Vec3{0, 0, 0.4}).x);
+  }
+  EXPECT_FALSE(s.last.let_go);
+  EXPECT_GT(sway, 0.005);
+  EXPECT_LT(std::fabs(s.state.q[0]), 0.02);
+}
+
+TEST(MotionControl, LetsGoBeyondTheCapAndGetsNoHiddenHelp) {
+  ControlOptions options;
+  options.assist_limit = 0.2;
+  Simulation s(options);
+  for (int i = 0; i < 500; ++i) s.step({});
+  for (int i = 0; i < 1500; ++i) {
+    s.step(i < 100 ? Vec3{1500, 0, 0} : Vec3{});
+    if (!s.last.let_go) continue;
+    EXPECT_EQ(norm(s.last.assist.v) + norm(s.last.assist.w), 0);
+    for (const double t : s.state.tau) EXPECT_EQ(t, 0);
+  }
+  EXPECT_TRUE(s.last.let_go);
+  EXPECT_LT(s.state.q[2], 0.4);  // it lies on the ground
+}
+
+TEST(MotionControl, AssistIsNeverAboveItsCapAndHoldsWhatHasNoFeet) {
+  ControlOptions options;
+  options.assist_limit = 1.2;
+  Simulation s(options);
+  s.state.q[2] = s.reference[2] = 2.0;  // hangs in the air: the assist carries the weight, and says so
+  for (int i = 0; i < 500; ++i) {
+    s.step({});
+    EXPECT_LE(s.last.size_bw, 1.2 + 1e-12);
+  }
+  EXPECT_NEAR(s.last.size_bw, 1.0, 0.01);
+  EXPECT_NEAR(s.state.q[2], 2.0, 0.01);
+}
+
+}  // namespace
+}  // namespace ugoki::control
