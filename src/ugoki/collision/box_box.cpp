@@ -240,8 +240,8 @@ double add_face(const Box& a, const Box& b, const Axes& axes, double margin, Man
   for (int i = 0; i < near.count; ++i) {
     const Corner& c = near.corners[static_cast<std::size_t>(i)];
     Vec3 local;
-    local[u] = c.u;
-    local[v] = c.v;
+    local[u] = clamp_to(c.u, reference.e[u]);
+    local[v] = clamp_to(c.v, reference.e[v]);
     local[w] = up * (reference.e[w] + 0.5 * c.h);
     out.add(reference.X * local, of_a ? -normal : normal, c.h, faces * 64 + c.in * 8U + c.out);
   }
@@ -293,7 +293,7 @@ void add_box_box(const Box& a, const Box& b, double margin, Manifold& out) {
   std::uint32_t feature = 0;
   if (axes.edge > axes.face + bias) {
     const BoxPair pair = nearest_on_edges(a, b, axes, feature);
-    if (axes.edge <= 0 || norm(pair.pa - pair.pb) <= axes.edge + bias) {
+    if (axes.edge <= 0 || norm(pair.pa - pair.pb) <= axes.edge * (1 + 1e-9)) {  // not so where the nearest points are ends
       out.add((pair.pa + pair.pb) * 0.5, pair.n, pair.distance, feature);
       return;
     }

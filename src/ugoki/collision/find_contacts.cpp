@@ -76,7 +76,7 @@ struct Search {
     const double reach = ball_a.r + ball_b.r + margin;
     if (!(dot(gap, gap) < reach * reach) || reach <= 0) return;
     const SceneShape &a = scene.shapes()[i], &b = scene.shapes()[j];
-    find_manifold(a.shape, link_pose(a) * a.shape.X_BS, b.shape, link_pose(b) * b.shape.X_BS, margin, manifold);
+    find_manifold(a.shape, work.poses[i], b.shape, work.poses[j], margin, manifold);
     if (manifold.count == 0) return;
     add(a, i, &b, j, std::sqrt(a.shape.friction * b.shape.friction), std::max(a.shape.restitution, b.shape.restitution));
   }
@@ -87,7 +87,8 @@ struct Search {
       Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
       const auto end = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s) + 1));
       for (auto i = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s))); i < end; ++i) {
-        const Vec3 c = link_pose(shapes[i]) * shapes[i].shape.X_BS.p;
+        work.poses[i] = link_pose(shapes[i]) * shapes[i].shape.X_BS;
+        const Vec3 c = work.poses[i].p;
         const double r = shapes[i].bound;
         work.balls[i] = {c, r};
         low = {std::min(low.x, c.x - r), std::min(low.y, c.y - r), std::min(low.z, c.z - r)};
@@ -126,7 +127,10 @@ struct Search {
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& work,
                    std::vector<ContactPoint>& out) {
   UGOKI_CHECK(X_WB.size() == scene.systems().size());
-  if (work.balls.size() < scene.shapes().size()) work.balls.resize(scene.shapes().size());
+  if (work.balls.size() < scene.shapes().size()) {
+    work.balls.resize(scene.shapes().size());
+    work.poses.resize(scene.shapes().size());
+  }
   if (work.extents.size() < X_WB.size()) work.extents.resize(X_WB.size());
   out.clear();
   // Every corner on the ground, and four points between shapes for each shape.

@@ -18,8 +18,8 @@ SegmentPair nearest_on_segments(const Round& a, const Round& b) {
   SegmentPair out;
   out.sin2 = dot(axis, axis);
   double s;
-  if (out.sin2 > 1e-14) {
-    s = clamp_to((cosine * f - c) / out.sin2, a.half);
+  if (out.sin2 > 1e-24) {
+    s = clamp_to(-dot(cross(r, b.d), axis) / out.sin2, a.half);
   } else {
     double low, high;
     s = overlap_on(a, b, low, high) ? 0.5 * (low + high) : clamp_to(-c, a.half);

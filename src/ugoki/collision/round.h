@@ -29,7 +29,8 @@ struct SegmentPair {
 };
 
 /// Where several pairs are nearest (parallel segments) it takes the middle of them.
-/// Source: Ericson, Real-Time Collision Detection (2005), 5.1.9, with the determinant from the cross product.
+/// Source: Ericson, Real-Time Collision Detection (2005), 5.1.9, with cross products in place of
+/// differences of squares, so that segments close to parallel lose no digits.
 [[nodiscard]] SegmentPair nearest_on_segments(const Round& a, const Round& b);
 
 /// Interval of a's parameter over which b lies beside it (b's ends projected on a, cut to a's length);

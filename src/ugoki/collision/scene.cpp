@@ -96,6 +96,6 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
   first_shape_.push_back(static_cast<int>(shapes_.size()));
 }
 
-Workspace::Workspace(const Scene& scene) : balls(scene.shapes().size()), extents(scene.systems().size()) {}
+Workspace::Workspace(const Scene& scene) : balls(scene.shapes().size()), poses(balls.size()), extents(scene.systems().size()) {}
 
 }  // namespace ugoki::collision

@@ -71,6 +71,7 @@ struct Workspace {
     Vec3 low, high;
   };
   std::vector<Ball> balls;      ///< [shapes] bounding spheres in the world
+  std::vector<Pose> poses;      ///< [shapes] X_WS
   std::vector<Extent> extents;  ///< [systems] boxes along the world's axes that hold all balls of a system
 
   Workspace() = default;
