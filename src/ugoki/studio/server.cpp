@@ -1,0 +1,546 @@
+// The only file that includes Boost.Beast (half a minute of compile time).
+#include "ugoki/studio/server.h"
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <map>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "ugoki/studio/error_json.h"
+#include "ugoki/studio/security.h"
+#include "ugoki/studio/static_files.h"
+
+namespace ugoki::studio {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace net = boost::asio;
+namespace websocket = beast::websocket;
+using tcp = net::ip::tcp;
+using error_code = boost::system::error_code;
+
+constexpr std::uint32_t max_header_bytes = 16 * 1024;
+constexpr std::size_t max_small_body = std::size_t{256} * 1024;  // of everything but an import
+constexpr std::chrono::seconds page_silence{60};                 // a page that answers no ping for so long is gone
+
+std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
+
+class WebSocketClient;
+
+}  // namespace
+
+class HttpConnection;
+
+class Server::Impl : public std::enable_shared_from_this<Server::Impl> {
+ public:
+  Impl(ServerOptions given, ServerEvents& listener) : options(std::move(given)), events(listener) {}
+
+  Result<void> listen();
+  void run();
+  void shut();
+  void accept();
+  void remove(ClientId client);
+  void deliver(ClientId client, const std::shared_ptr<const std::string>& text);
+
+  net::io_context io{1};
+  ServerOptions options;
+  ServerEvents& events;
+  Gate gate;
+  tcp::acceptor acceptor{io};
+  net::steady_timer accept_again{io};
+  std::map<ClientId, std::shared_ptr<WebSocketClient>> clients;
+  std::map<std::uint64_t, std::shared_ptr<HttpConnection>> waiting;  ///< connections whose request is being answered
+  std::uint64_t last_id = 0;
+  std::size_t connections = 0;
+  std::thread thread;
+};
+
+namespace {
+
+/// One place among the connections that are allowed at a time.
+class Slot {
+ public:
+  explicit Slot(std::size_t& count) : count_(&count) { ++count; }
+  Slot(Slot&& other) noexcept : count_(std::exchange(other.count_, nullptr)) {}
+  Slot(const Slot&) = delete;
+  Slot& operator=(const Slot&) = delete;
+  Slot& operator=(Slot&&) = delete;
+  ~Slot() {
+    if (count_ != nullptr) --*count_;
+  }
+
+ private:
+  std::size_t* count_;
+};
+
+class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
+ public:
+  WebSocketClient(beast::tcp_stream stream, Slot slot, Server::Impl& server, ClientId id)
+      : slot_(std::move(slot)), ws_(std::move(stream)), server_(server), id_(id) {}
+
+  void start(http::request<http::string_body> request) {
+    request_ = std::move(request);
+    websocket::stream_base::timeout timeout{};
+    timeout.handshake_timeout = server_.options.request_time;
+    timeout.idle_timeout = page_silence;
+    timeout.keep_alive_pings = true;
+    ws_.set_option(timeout);
+    ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& r) { r.set(http::field::server, "Ugoki"); }));
+    ws_.read_message_max(server_.options.max_message_bytes);
+    ws_.async_accept(request_, [self = shared_from_this()](error_code ec) {
+      if (ec) return self->end();
+      self->open_ = true;
+      self->request_ = {};
+      self->read();
+      self->pump();
+    });
+  }
+
+  void send(std::shared_ptr<const std::string> text) {
+    waiting_bytes_ += text->size();
+    texts_.push_back(std::move(text));
+    if (waiting_bytes_ > server_.options.max_waiting_bytes) return end();
+    pump();
+  }
+
+  void send(FrameBytes frame) {
+    frame_ = std::move(frame);
+    pump();
+  }
+
+  void shut() {
+    error_code ignored;
+    beast::get_lowest_layer(ws_).socket().shutdown(tcp::socket::shutdown_both, ignored);
+    beast::get_lowest_layer(ws_).close();
+  }
+
+ private:
+  void read() {
+    ws_.async_read(buffer_, [self = shared_from_this()](error_code ec, std::size_t) {
+      if (ec) return self->end();
+      if (self->ws_.got_text()) {
+        self->hand_over();
+      } else {
+        self->ws_.async_close({websocket::close_code::unknown_data, "The studio reads text messages only."},
+                              [self](error_code) { self->end(); });
+      }
+    });
+  }
+
+  void hand_over() {
+    std::string text = beast::buffers_to_string(buffer_.data());
+    buffer_.clear();
+    server_.events.on_message(id_, std::move(text), [weak = weak_from_this(), server = server_.weak_from_this()] {
+      const std::shared_ptr<Server::Impl> impl = server.lock();
+      if (!impl) return;
+      net::post(impl->io, [weak] {
+        const std::shared_ptr<WebSocketClient> self = weak.lock();
+        if (self && !self->ended_) self->read();
+      });
+    });
+  }
+
+  void pump() {
+    if (!open_ || writing_ || ended_) return;
+    if (!texts_.empty()) {
+      writing_ = true;
+      ws_.text(true);
+      ws_.async_write(net::buffer(*texts_.front()), [self = shared_from_this()](error_code ec, std::size_t) {
+        if (ec) return self->end();
+        self->waiting_bytes_ -= self->texts_.front()->size();
+        self->texts_.pop_front();
+        self->writing_ = false;
+        self->pump();
+      });
+    } else if (frame_) {
+      writing_ = true;
+      ws_.binary(true);
+      written_frame_ = std::move(frame_);
+      frame_.reset();
+      ws_.async_write(net::buffer(written_frame_->data(), written_frame_->size()), [self = shared_from_this()](error_code ec, std::size_t) {
+        if (ec) return self->end();
+        self->writing_ = false;
+        self->pump();
+      });
+    }
+  }
+
+  void end() {
+    if (ended_) return;
+    ended_ = true;
+    shut();
+    server_.remove(id_);
+  }
+
+  Slot slot_;
+  websocket::stream<beast::tcp_stream> ws_;
+  Server::Impl& server_;
+  ClientId id_;
+  http::request<http::string_body> request_;
+  beast::flat_buffer buffer_;
+  std::deque<std::shared_ptr<const std::string>> texts_;
+  FrameBytes frame_, written_frame_;
+  std::size_t waiting_bytes_ = 0;
+  bool open_ = false, writing_ = false, ended_ = false;
+};
+
+}  // namespace
+
+class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+ public:
+  HttpConnection(tcp::socket socket, Server::Impl& server)
+      : slot_(server.connections), stream_(std::move(socket)), server_(server) {}
+
+  void read_header() {
+    parser_.emplace();
+    parser_->header_limit(max_header_bytes);
+    parser_->body_limit(server_.options.max_import_bytes);
+    stream_.expires_after(server_.options.request_time);
+    http::async_read_header(stream_, buffer_, *parser_,
+                            [self = shared_from_this()](error_code ec, std::size_t) { self->on_header(ec); });
+  }
+
+ private:
+  using Response = http::response<http::string_body>;
+
+  void on_header(error_code ec) {
+    if (ec) return on_read_error(ec);
+    const auto& request = parser_->get();
+    const std::optional<Target> target = parse_target(view(request.target()));
+    if (!target) {
+      return refuse(400, {ErrorCode::syntax, "request", "The address asked for is not an absolute path.", "Ask for /path."});
+    }
+    target_ = *target;
+    const Admission admission = admit(request);
+    if (!check_admission(admission)) return;
+    set_cookie_ = admission == Admission::granted_by_token;
+
+    const http::verb method = request.method();
+    if (method != http::verb::get && method != http::verb::head && method != http::verb::post) {
+      return refuse(405, {ErrorCode::unsupported, target_.path, "The studio answers GET, HEAD and POST only.", ""});
+    }
+    if (target_.path == "/ws") return upgrade();
+    const std::size_t limit = target_.path == "/api/import" ? server_.options.max_import_bytes : max_small_body;
+    if (parser_->content_length().value_or(0) > limit) return refuse_size(limit);
+    parser_->body_limit(limit);
+    stream_.expires_after(server_.options.body_time);
+    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code error, std::size_t) { self->on_body(error); });
+  }
+
+  Admission admit(const http::request<http::string_body>& request) const {
+    Credentials c;
+    c.host_count = request.count(http::field::host);
+    c.host = view(request[http::field::host]);
+    if (request.count(http::field::origin) != 0) c.origin = view(request[http::field::origin]);
+    c.cookies = view(request[http::field::cookie]);
+    c.path = target_.path;
+    c.query = target_.query;
+    return server_.gate.admit(c);
+  }
+
+  bool check_admission(Admission admission) {
+    switch (admission) {
+      case Admission::granted:
+      case Admission::granted_by_token: return true;
+      case Admission::bad_host:
+        refuse(403, {ErrorCode::conflict, "Host", "This studio answers only at " + server_.gate.origin() + ".",
+                     "Open the address that `ugoki studio` printed."});
+        return false;
+      case Admission::bad_origin:
+        refuse(403, {ErrorCode::conflict, "Origin", "A page from somewhere else may not talk to this studio.",
+                     "Open the address that `ugoki studio` printed."});
+        return false;
+      case Admission::no_token:
+        refuse(401, {ErrorCode::conflict, "token", "The studio's token is missing.", "Open the whole address that `ugoki studio` printed."});
+        return false;
+      case Admission::wrong_token:
+        refuse(401, {ErrorCode::conflict, "token", "The token is not this studio's; perhaps it was started again since.",
+                     "Open the address that `ugoki studio` printed last."});
+        return false;
+    }
+    return false;
+  }
+
+  void on_body(error_code ec) {
+    if (ec) return on_read_error(ec);
+    if (target_.path.starts_with("/api/")) return call_api();
+    if (parser_->get().method() == http::verb::post) {
+      return refuse(405, {ErrorCode::unsupported, target_.path, "Nothing can be sent to this address.", ""});
+    }
+    Result<StaticFile> file = read_static_file(server_.options.web, target_.path);
+    if (!file) return refuse(404, file.error());
+    Response response = make_response(http::status::ok, file->content_type);
+    response.set(http::field::cache_control, file->immutable ? "max-age=31536000, immutable" : "no-store");
+    response.body() = std::move(file->bytes);
+    write(std::move(response));
+  }
+
+  void call_api() {
+    waiting_id_ = ++server_.last_id;
+    server_.waiting[waiting_id_] = shared_from_this();
+    stream_.expires_never();
+    ApiRequest request{std::string(view(parser_->get().method_string())), target_.path, target_.query, std::move(parser_->get().body())};
+    server_.events.on_api(std::move(request), [id = waiting_id_, server = server_.weak_from_this()](ApiReply reply) {
+      const std::shared_ptr<Server::Impl> impl = server.lock();
+      if (!impl) return;
+      net::post(impl->io, [id, raw = impl.get(), answer = std::move(reply)]() mutable {
+        const auto found = raw->waiting.find(id);
+        if (found == raw->waiting.end()) return;
+        const std::shared_ptr<HttpConnection> self = std::move(found->second);
+        raw->waiting.erase(found);
+        self->answer(std::move(answer));
+      });
+    });
+  }
+
+  void answer(ApiReply reply) {
+    Response response = make_response(static_cast<http::status>(reply.status), "application/json");
+    response.set(http::field::cache_control, "no-store");
+    response.body() = std::move(reply.json);
+    write(std::move(response));
+  }
+
+  void upgrade() {
+    if (!websocket::is_upgrade(parser_->get())) {
+      return refuse(400, {ErrorCode::syntax, "/ws", "This address speaks WebSocket only.", "Open the studio's page."});
+    }
+    stream_.expires_never();
+    const ClientId id = ++server_.last_id;
+    auto client = std::make_shared<WebSocketClient>(std::move(stream_), std::move(slot_), server_, id);
+    server_.clients[id] = client;
+    client->start(parser_->release());
+  }
+
+  void on_read_error(error_code ec) {
+    if (ec == http::error::body_limit) return refuse_size(server_.options.max_import_bytes);
+    if (ec == http::error::header_limit) {
+      return refuse(431, {ErrorCode::range, "request", "The request's header is too long.", "Delete this site's cookies and try again."});
+    }
+    if (ec == http::error::end_of_stream || ec == http::error::partial_message || ec.category() != http::make_error_code(http::error::bad_method).category()) {
+      return close();
+    }
+    refuse(400, {ErrorCode::syntax, "request", "This is not a request of HTTP: " + ec.message() + ".", "Open the studio's page in a browser."});
+  }
+
+  void refuse_size(std::size_t limit) {
+    refuse(413, {ErrorCode::range, target_.path, "What was sent is larger than " + std::to_string(limit >> 10) + " KiB.",
+                 "Import large files with `ugoki import FILE` from the command line."});
+  }
+
+  void refuse(int status, const Error& error) {
+    const bool for_people = view(parser_->get()[http::field::accept]).find("text/html") != std::string_view::npos;
+    Response response = make_response(static_cast<http::status>(status), for_people ? "text/html; charset=utf-8" : "application/json");
+    response.set(http::field::cache_control, "no-store");
+    if (for_people) {
+      const Problem& p = error.problems.front();
+      response.body() = "<!doctype html><meta charset=\"utf-8\"><title>Ugoki</title><body style=\"font:15px system-ui;background:#16181d;"
+                        "color:#e6e6ea;padding:3em\"><p>" + escaped(p.message) + "</p><p>" + escaped(p.remedy) + "</p></body>\n";
+    } else {
+      response.body() = error_body(error);
+    }
+    if (!parser_->is_done()) {
+      drain_ = true;
+      response.keep_alive(false);
+    }
+    write(std::move(response));
+  }
+
+  static std::string escaped(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+      if (c == '<') out += "&lt;";
+      else if (c == '&') out += "&amp;";
+      else out += c;
+    }
+    return out;
+  }
+
+  Response make_response(http::status status, std::string_view content_type) const {
+    Response response{status, parser_->get().version() == 10 ? 10u : 11u};
+    response.keep_alive(parser_->is_done() && parser_->get().keep_alive());
+    response.set(http::field::server, "Ugoki");
+    response.set(http::field::content_type, beast::string_view(content_type.data(), content_type.size()));
+    response.set(http::field::x_frame_options, "DENY");
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("Referrer-Policy", "no-referrer");
+    response.set("Cross-Origin-Resource-Policy", "same-origin");
+    response.set("Content-Security-Policy",
+                 "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+                 "font-src 'self' data:; connect-src 'self' ws://" + server_.gate.host() + "; worker-src 'self' blob:; object-src 'none'; "
+                 "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+    if (set_cookie_) response.set(http::field::set_cookie, server_.gate.set_cookie());
+    return response;
+  }
+
+  void write(Response response) {
+    const bool head = parser_->get().method() == http::verb::head;
+    response.prepare_payload();
+    if (head) {
+      const std::size_t size = response.body().size();
+      response.body().clear();
+      response.content_length(size);
+    }
+    set_cookie_ = false;
+    response_.emplace(std::move(response));
+    stream_.expires_after(server_.options.request_time);
+    http::async_write(stream_, *response_, [self = shared_from_this()](error_code ec, std::size_t) {
+      if (ec) return self->close();
+      const bool again = self->response_->keep_alive();
+      self->response_.reset();
+      if (again) return self->read_header();
+      error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+      if (self->drain_) return self->drain();
+      self->close();
+    });
+  }
+
+  /// Reads away what is still coming for a moment, so that the answer is not lost with the connection.
+  void drain() {
+    stream_.expires_after(std::chrono::seconds(2));
+    drained_.resize(std::size_t{64} * 1024);
+    stream_.async_read_some(net::buffer(drained_), [self = shared_from_this()](error_code ec, std::size_t size) {
+      self->drained_bytes_ += size;
+      if (ec || self->drained_bytes_ > self->server_.options.max_import_bytes) return self->close();
+      self->drain();
+    });
+  }
+
+  void close() {
+    error_code ignored;
+    stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
+    stream_.close();
+  }
+
+  Slot slot_;
+  beast::tcp_stream stream_;
+  Server::Impl& server_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::string_body>> parser_;
+  std::optional<Response> response_;
+  Target target_;
+  std::uint64_t waiting_id_ = 0;
+  bool set_cookie_ = false, drain_ = false;
+  std::vector<char> drained_;
+  std::size_t drained_bytes_ = 0;
+};
+
+Result<void> Server::Impl::listen() {
+  const tcp::endpoint endpoint(net::ip::address_v4::loopback(), options.port);
+  error_code ec;
+  acceptor.open(endpoint.protocol(), ec);
+  if (!ec) acceptor.set_option(net::socket_base::reuse_address(true), ec);
+  if (!ec) acceptor.bind(endpoint, ec);
+  if (!ec) acceptor.listen(net::socket_base::max_listen_connections, ec);
+  if (ec) {
+    return fail(ErrorCode::io, "127.0.0.1:" + std::to_string(options.port), "The studio cannot listen here: " + ec.message() + ".",
+                "Choose another port with --port, or leave it out to get a free one.");
+  }
+  gate.port = acceptor.local_endpoint().port();
+  gate.token = options.token.empty() ? make_token() : options.token;
+  accept();
+  thread = std::thread([this] { run(); });
+  return {};
+}
+
+void Server::Impl::run() {
+  while (true) {
+    try {
+      io.run();
+      return;
+    } catch (const std::exception&) {
+      // Out of memory in one connection's work ends that work, never the studio.
+    }
+  }
+}
+
+void Server::Impl::accept() {
+  acceptor.async_accept([this](error_code ec, tcp::socket socket) {
+    if (ec == net::error::operation_aborted || !acceptor.is_open()) return;
+    if (ec) {  // out of file descriptors, most likely: wait for some to close
+      accept_again.expires_after(std::chrono::milliseconds(200));
+      accept_again.async_wait([this](error_code cancelled) {
+        if (!cancelled) accept();
+      });
+      return;
+    }
+    if (connections < options.max_connections) {
+      error_code ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      std::make_shared<HttpConnection>(std::move(socket), *this)->read_header();
+    }
+    accept();
+  });
+}
+
+void Server::Impl::shut() {
+  error_code ignored;
+  acceptor.close(ignored);
+  accept_again.cancel();
+  for (auto& [id, client] : clients) client->shut();
+  waiting.clear();
+  io.stop();
+}
+
+void Server::Impl::remove(ClientId client) {
+  if (clients.erase(client) != 0) events.on_close(client);
+}
+
+void Server::Impl::deliver(ClientId client, const std::shared_ptr<const std::string>& text) {
+  if (client != 0) {
+    if (const auto found = clients.find(client); found != clients.end()) found->second->send(text);
+    return;
+  }
+  for (auto it = clients.begin(); it != clients.end();) {
+    const std::shared_ptr<WebSocketClient> to = it->second;
+    ++it;  // sending may remove the client
+    to->send(text);
+  }
+}
+
+Server::Server(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Result<std::unique_ptr<Server>> Server::listen(ServerOptions options, ServerEvents& events) {
+  auto impl = std::make_shared<Impl>(std::move(options), events);
+  if (Result<void> r = impl->listen(); !r) return fail(std::move(r.error()));
+  return std::unique_ptr<Server>(new Server(std::move(impl)));
+}
+
+Server::~Server() {
+  net::post(impl_->io, [impl = impl_.get()] { impl->shut(); });
+  impl_->thread.join();
+}
+
+std::uint16_t Server::port() const { return impl_->gate.port; }
+const std::string& Server::token() const { return impl_->gate.token; }
+std::string Server::address() const { return impl_->gate.origin() + "/?token=" + impl_->gate.token; }
+
+void Server::send(ClientId client, std::string text) {
+  net::post(impl_->io, [impl = impl_.get(), client, shared = std::make_shared<const std::string>(std::move(text))] {
+    impl->deliver(client, shared);
+  });
+}
+
+void Server::broadcast(std::string text) { send(0, std::move(text)); }
+
+void Server::broadcast_frame(FrameBytes frame) { send_frame(0, std::move(frame)); }
+
+void Server::send_frame(ClientId client, FrameBytes frame) {
+  net::post(impl_->io, [impl = impl_.get(), client, shared = std::move(frame)] {
+    if (client != 0) {
+      if (const auto found = impl->clients.find(client); found != impl->clients.end()) found->second->send(shared);
+      return;
+    }
+    for (auto& [id, to] : impl->clients) to->send(shared);
+  });
+}
+
+}  // namespace ugoki::studio
