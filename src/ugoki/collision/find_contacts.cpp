@@ -70,11 +70,14 @@ struct Search {
     }
   }
 
-  void pair(std::size_t i, std::size_t j) {
+  [[nodiscard]] bool bounds_near(std::size_t i, std::size_t j) const {
     const Workspace::Ball &ball_a = work.balls[i], &ball_b = work.balls[j];
     const Vec3 gap = ball_a.c - ball_b.c;
-    const double reach = ball_a.r + ball_b.r + margin;
-    if (!(dot(gap, gap) < reach * reach) || reach <= 0) return;
+    const double reach = std::max(ball_a.r + ball_b.r + margin, 0.0);
+    return dot(gap, gap) < reach * reach;
+  }
+
+  void pair(std::size_t i, std::size_t j) {
     const SceneShape &a = scene.shapes()[i], &b = scene.shapes()[j];
     find_manifold(a.shape, work.poses[i], b.shape, work.poses[j], margin, manifold);
     if (manifold.count == 0) return;
@@ -99,7 +102,18 @@ struct Search {
   }
 
   void within(int system) {
-    for (const ShapePair& p : scene.self_pairs(system)) pair(static_cast<std::size_t>(p.a), static_cast<std::size_t>(p.b));
+    // Collect the few pairs whose bounds are near without a branch for each pair, then look at those.
+    constexpr std::size_t chunk = 64;
+    const std::span<const ShapePair> pairs = scene.self_pairs(system);
+    for (std::size_t begin = 0; begin < pairs.size(); begin += chunk) {
+      ShapePair hits[chunk];
+      std::size_t count = 0;
+      for (const ShapePair& p : pairs.subspan(begin, std::min(chunk, pairs.size() - begin))) {
+        hits[count] = p;
+        count += bounds_near(static_cast<std::size_t>(p.a), static_cast<std::size_t>(p.b)) ? 1 : 0;
+      }
+      for (std::size_t i = 0; i < count; ++i) pair(static_cast<std::size_t>(hits[i].a), static_cast<std::size_t>(hits[i].b));
+    }
   }
 
   [[nodiscard]] bool near(const Workspace::Extent& a, const Workspace::Extent& b) const {
@@ -116,8 +130,10 @@ struct Search {
       const Vec3 r{ball.r, ball.r, ball.r};
       if (!near({ball.c - r, ball.c + r}, other)) continue;
       const bool a_moves = scene.shapes()[a].movable;
-      for (int j = scene.first_shape(system_b); j < scene.first_shape(system_b + 1); ++j)
-        if (a_moves || scene.shapes()[static_cast<std::size_t>(j)].movable) pair(a, static_cast<std::size_t>(j));
+      for (int j = scene.first_shape(system_b); j < scene.first_shape(system_b + 1); ++j) {
+        const auto b = static_cast<std::size_t>(j);
+        if (bounds_near(a, b) && (a_moves || scene.shapes()[b].movable)) pair(a, b);
+      }
     }
   }
 };
