@@ -1,0 +1,147 @@
+#include "ugoki/motion/smooth_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki {
+namespace {
+
+/// A floating body with a ball joint and a hinge.
+MechanismPtr figure() {
+  MechanismSpec spec;
+  spec.name = "figure";
+  const auto add = [&](const std::string& name, const std::string& parent, JointType type) {
+    LinkSpec l;
+    l.name = name;
+    l.parent = parent;
+    l.joint.type = type;
+    l.joint.axis = {0, 1, 0};
+    l.inertia = Inertia::from_centre(1, {0, 0, 0.1}, {0.01, 0.01, 0.01, 0, 0, 0});
+    spec.links.push_back(l);
+  };
+  add("root", "", JointType::floating);
+  add("ball", "root", JointType::spherical);
+  add("hinge", "ball", JointType::revolute);
+  return Mechanism::make(std::move(spec)).value();
+}
+
+/// Turns about a slanted axis, walks, swings its hinge: smooth functions of time.
+void truth(double t, double* q) {
+  const Quat turn = exp_map(Vec3{0.3, -0.5, 0.8} * (0.9 * std::sin(2 * t)));
+  const Quat ball = exp_map(Vec3{0.4 * std::sin(3 * t), 0.2, 0.3 * std::cos(2 * t)});
+  const double values[] = {1.2 * t, 0.1 * std::sin(5 * t), 0.9 + 0.03 * std::cos(6 * t), turn.w, turn.x, turn.y, turn.z,
+                           ball.w,  ball.x,               ball.y,                       ball.z, 0.7 * std::sin(4 * t)};
+  std::copy(std::begin(values), std::end(values), q);
+}
+
+Motion recorded(const Mechanism& m, double noise, bool flip_signs) {
+  Motion motion;
+  motion.name = "made";
+  motion.mechanism = m.name();
+  motion.rate = 120;
+  motion.frames = 361;
+  motion.nq = m.nq();
+  motion.q.resize(static_cast<std::size_t>(motion.frames * motion.nq));
+  std::uint64_t seed = 1;
+  for (int f = 0; f < motion.frames; ++f) {
+    truth(f / motion.rate, motion.frame(f));
+    for (int k = 0; k < motion.nq; ++k) {
+      seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+      motion.frame(f)[k] += noise * (static_cast<double>(seed >> 11) / 9007199254740992.0 - 0.5);
+    }
+    if (flip_signs && f % 3 == 1)
+      for (int k = 3; k < 7; ++k) motion.frame(f)[k] *= -1;
+  }
+  return motion;
+}
+
+TEST(SmoothMotion, PositionVelocityAndAccelerationBelongTogether) {
+  const MechanismPtr m = figure();
+  const SmoothMotion smooth(recorded(*m, 0, true), *m, 0);
+  std::vector<double> q(12), v(10), a(10), q0(12), q1(12), v0(10), v1(10), unused(10), d(10), exact(12);
+  const double h = 1e-4;
+  for (double t = 0.3; t < 2.7; t += 0.0137) {
+    smooth.sample(*m, t, q, v, a);
+    smooth.sample(*m, t - h, q0, v0, unused);
+    smooth.sample(*m, t + h, q1, v1, unused);
+    truth(t, exact.data());
+    difference(*m, q, exact, d);
+    for (const double x : d) EXPECT_LT(std::fabs(x), 2e-4) << t;
+    difference(*m, q0, q1, d);
+    for (std::size_t i = 0; i < 10; ++i) {
+      EXPECT_NEAR(d[i] / (2 * h), v[i], 0.02) << "velocity " << i << " at " << t;
+      EXPECT_NEAR((v1[i] - v0[i]) / (2 * h), a[i], 0.6) << "acceleration " << i << " at " << t;
+    }
+  }
+}
+
+TEST(SmoothMotion, FilterTakesTheNoiseAndLeavesTheMotion) {
+  const MechanismPtr m = figure();
+  const double noise = 0.004;
+  const SmoothMotion raw(recorded(*m, noise, false), *m, 0), smooth(recorded(*m, noise, false), *m, 6), clean(recorded(*m, 0, false), *m, 0);
+  std::vector<double> q(12), v(10), a(10), q_clean(12), v_clean(10), a_clean(10), d(10);
+  double error_raw = 0, error_smooth = 0, moved = 0;
+  for (double t = 0.1; t < 2.9; t += 0.01) {
+    clean.sample(*m, t, q_clean, v_clean, a_clean);
+    raw.sample(*m, t, q, v, a);
+    for (std::size_t i = 0; i < 10; ++i) error_raw += (a[i] - a_clean[i]) * (a[i] - a_clean[i]);
+    smooth.sample(*m, t, q, v, a);
+    for (std::size_t i = 0; i < 10; ++i) error_smooth += (a[i] - a_clean[i]) * (a[i] - a_clean[i]);
+    difference(*m, q, q_clean, d);
+    for (const double x : d) moved = std::max(moved, std::fabs(x));
+  }
+  EXPECT_LT(error_smooth, error_raw / 100);
+  EXPECT_LT(moved, 0.03);
+}
+
+TEST(SmoothMotion, StandsStillBeforeAndAfter) {
+  const MechanismPtr m = figure();
+  const SmoothMotion smooth(recorded(*m, 0, false), *m, 6);
+  std::vector<double> q(12), v(10), a(10);
+  for (const double t : {-1.0, 99.0}) {
+    smooth.sample(*m, t, q, v, a);
+    for (const double x : v) EXPECT_EQ(x, 0);
+    for (const double x : a) EXPECT_EQ(x, 0);
+    EXPECT_TRUE(is_finite(q));
+  }
+}
+
+TEST(SmoothMotion, ClipTurnsPathAndVelocityAlike) {
+  const MechanismPtr m = figure();
+  const SmoothMotion smooth(recorded(*m, 0, false), *m, 0);
+  Clip clip;
+  clip.start = 1;
+  clip.length = 1;
+  clip.offset = 0.5;
+  clip.speed = 1.5;
+  clip.place = {3, -2, 0, 0.8};
+  std::vector<double> q(12), v(10), a(10), q0(12), q1(12), unused(10), d(10);
+  const double h = 1e-4;
+  for (double t = 1.1; t < 1.9; t += 0.07) {
+    sample(clip, smooth, *m, t, q, v, a);
+    sample(clip, smooth, *m, t - h, q0, unused, d);
+    sample(clip, smooth, *m, t + h, q1, unused, d);
+    difference(*m, q0, q1, d);
+    for (std::size_t i = 0; i < 10; ++i) EXPECT_NEAR(d[i] / (2 * h), v[i], 0.03) << i << " at " << t;
+  }
+}
+
+TEST(SmoothMotion, OneAndTwoFramesWork) {
+  const MechanismPtr m = figure();
+  for (const int frames : {1, 2, 3}) {
+    Motion motion = recorded(*m, 0, false);
+    motion.frames = frames;
+    motion.q.resize(static_cast<std::size_t>(frames * motion.nq));
+    const SmoothMotion smooth(motion, *m, 6);
+    std::vector<double> q(12), v(10), a(10);
+    smooth.sample(*m, 0.004, q, v, a);
+    EXPECT_TRUE(is_finite(q));
+    EXPECT_TRUE(is_finite(v));
+  }
+}
+
+}  // namespace
+}  // namespace ugoki
