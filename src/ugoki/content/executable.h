@@ -1,12 +1,13 @@
 #pragma once
-// Executable data in memory: what the generator makes of a project and the player runs. Everything is resolved: indices
-// instead of ids, clips laid on the floor, radians, the circuit as data. On disk: docs/files.md.
+// Executable data in memory: what the player runs. Everything is resolved: indices instead of ids, clips laid on the
+// floor, radians, the circuit as data. Its form on disk is described in ugx.h.
 
 #include <span>
 #include <string>
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/content/scenario.h"
 #include "ugoki/mechanism/mechanism.h"
 #include "ugoki/motion/clip.h"
 #include "ugoki/motion/motion.h"
@@ -15,25 +16,19 @@ namespace ugoki::content {
 
 struct ExecutableClip {
   std::string id;
-  int motion = 0;      ///< index into Executable::motions
-  Clip clip;           ///< placed
+  int motion = 0;               ///< index into Executable::motions
+  Clip clip;                    ///< placed
 };
 
 struct ExecutableCharacter {
   std::string id, name;
   std::string color;            ///< "#rrggbb"
   int mechanism = 0;            ///< index into Executable::mechanisms
-  bool tracks = true;           ///< motion control follows the track; otherwise no drive torque
-  double tracking = 1;          ///< factor on the gains
-  double balance = 1;           ///< factor on the balance gains
-  double assist_limit = 0.5;    ///< cap of the root-assist wrench, body weights
-  bool let_go = true;           ///< beyond the cap the figure becomes a ragdoll; otherwise the wrench stays at the cap
-  Placement place;              ///< where it stands at the start
+  ScenarioControl control;
+  Placement place;              ///< where it stands at the start; heading in rad
   std::vector<double> q0;       ///< [nq] position at time 0
   std::vector<ExecutableClip> track;  ///< by start; may be empty
 };
-
-enum class EventType { push, throw_ };
 
 struct ExecutableEvent {
   std::string id;
@@ -48,24 +43,22 @@ struct ExecutableEvent {
 
 struct Executable {
   std::string name;
-  double duration = 0;      ///< s
-  double frame_rate = 60;   ///< display frames a second
-  double step = 0.002;      ///< s
+  double duration = 0;          ///< s
+  double frame_rate = 60;       ///< display frames a second
+  double step = 0.002;          ///< s
   Vec3 gravity = {0, 0, -9.81};
-  double ground_height = 0, ground_friction = 0.9, ground_restitution = 0;
+  ScenarioGround ground;
+  std::vector<std::string> mechanism_ids, motion_ids;  ///< of the entries below
   std::vector<MechanismPtr> mechanisms;
   std::vector<MotionPtr> motions;
   std::vector<ExecutableCharacter> characters;
   std::vector<ExecutableEvent> events;  ///< by time
-  std::string circuit;      ///< JSON, docs/circuit.md
-  std::string camera;       ///< JSON object as in the scenario document
-  std::string look;         ///< JSON object as in the scenario document
+  ScenarioCamera camera;
+  ScenarioLook look;
+  std::string circuit;          ///< JSON, docs/circuit.md
 };
 
-/// Lays everything out as a container. Equal data give equal bytes.
-[[nodiscard]] std::vector<std::byte> write_executable(const Executable& executable);
-
-/// Reads and checks: container, structure, every index, every number, motions against mechanisms.
+/// Reads and checks everything: container, document, every index and number, motions against mechanisms.
 /// @param name for messages, usually the file's name
 [[nodiscard]] Result<Executable> read_executable(std::span<const std::byte> bytes, std::string_view name);
 

@@ -1,0 +1,335 @@
+#include "ugoki/content/commands.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/content/scenario_json.h"
+
+namespace ugoki::content {
+namespace {
+
+constexpr std::size_t max_command_size = 16u << 20;
+constexpr std::size_t max_commands = 10'000;
+
+/// One command (with the commands of a group) at work on a copy of the document.
+class Work {
+ public:
+  Work(const Scenario& scenario, const Catalogue& catalogue, std::uint64_t& next_id) : catalogue_(catalogue), next_id_(next_id) { effect_.scenario = scenario; }
+
+  /// @return the label
+  std::string apply(const Json& command, const std::string& path) {
+    Fields f(command, path, problems_);
+    std::string type;
+    f.require("type", "the command's type, for example \"clip.add\"");
+    f.text("type", type);
+    if (!problems_.empty()) return {};
+    struct Kind {
+      std::string_view type;
+      std::string (Work::*run)(Fields&);
+    };
+    static constexpr std::array<Kind, 13> kinds = {{{"clip.add", &Work::clip_add},
+                                                    {"clip.set", &Work::clip_set},
+                                                    {"clip.remove", &Work::clip_remove},
+                                                    {"clip.split", &Work::clip_split},
+                                                    {"character.add", &Work::character_add},
+                                                    {"character.set", &Work::character_set},
+                                                    {"character.remove", &Work::character_remove},
+                                                    {"event.add", &Work::event_add},
+                                                    {"event.set", &Work::event_set},
+                                                    {"event.remove", &Work::event_remove},
+                                                    {"scenario.set", &Work::scenario_set},
+                                                    {"circuit.set", &Work::circuit_set},
+                                                    {"group", &Work::group}}};
+    for (const Kind& kind : kinds) {
+      if (kind.type != type) continue;
+      std::string label = (this->*kind.run)(f);
+      f.refuse_others();
+      return label;
+    }
+    problems_.add(ErrorCode::unsupported, f.path("type"), "There is no command '" + type + "'.", "Use one of the commands of docs/scenario.md.");
+    return {};
+  }
+
+  Result<CommandEffect> finish(std::string label) {
+    if (!problems_.empty()) return fail(std::move(problems_));
+    put_in_order(effect_.scenario);
+    Error wrong = check_scenario(effect_.scenario, &catalogue_);
+    if (!wrong.empty()) return fail(std::move(wrong));
+    effect_.label = std::move(label);
+    return std::move(effect_);
+  }
+
+ private:
+  Scenario& document() { return effect_.scenario; }
+
+  bool used(const std::string& id) const {
+    for (const ScenarioCharacter& c : effect_.scenario.characters) {
+      if (c.id == id) return true;
+      for (const ScenarioClip& clip : c.track)
+        if (clip.id == id) return true;
+    }
+    return std::any_of(effect_.scenario.events.begin(), effect_.scenario.events.end(), [&](const ScenarioEvent& e) { return e.id == id; });
+  }
+  /// Keeps an id that the command gives, makes one otherwise.
+  void settle_id(std::string& id, char letter) {
+    if (id.empty()) {
+      do id = letter + std::to_string(next_id_++);
+      while (used(id));
+    } else if (const auto number = parse_long(std::string_view(id).substr(1)); number && *number >= 0 && *number < 1'000'000'000) {
+      next_id_ = std::max(next_id_, static_cast<std::uint64_t>(*number) + 1);  // "k7" given: 7 is not used again
+    }
+    effect_.created.push_back(id);
+  }
+  void missing(Fields& f, std::string_view key, std::string_view what, const std::string& id) {
+    problems_.add(ErrorCode::unknown, f.path(key), "There is no " + std::string(what) + " '" + id + "'.", "Somebody may have removed it; look at the document again.");
+  }
+  ScenarioCharacter* character_in(Fields& f, std::string_view key) {
+    std::string id;
+    f.require(key, "a character's id");
+    f.text(key, id);
+    if (!problems_.empty()) return nullptr;
+    ScenarioCharacter* c = document().find_character(id);
+    if (!c) missing(f, key, "character", id);
+    return c;
+  }
+  /// The clip that `character` and `id` name.
+  std::pair<ScenarioCharacter*, std::size_t> clip_in(Fields& f) {
+    ScenarioCharacter* c = character_in(f, "character");
+    std::string id;
+    f.require("id", "the clip's id");
+    f.text("id", id);
+    if (!c || !problems_.empty()) return {nullptr, 0};
+    for (std::size_t i = 0; i < c->track.size(); ++i)
+      if (c->track[i].id == id) return {c, i};
+    missing(f, "id", "clip", id);
+    return {nullptr, 0};
+  }
+  ScenarioEvent* event_in(Fields& f) {
+    std::string id;
+    f.require("id", "the event's id");
+    f.text("id", id);
+    if (!problems_.empty()) return nullptr;
+    for (ScenarioEvent& e : document().events)
+      if (e.id == id) return &e;
+    missing(f, "id", "event", id);
+    return nullptr;
+  }
+  std::string clip_add(Fields& f) {
+    ScenarioCharacter* c = character_in(f, "character");
+    f.require("motion", "a motion's id");
+    f.require("start", "the time in seconds at which it starts");
+    ScenarioClip clip;
+    clip.length = -1;
+    read_clip(f, clip);
+    if (!c || !problems_.empty()) return {};
+    settle_id(clip.id, 'k');
+    const auto motion = catalogue_.motions.find(clip.motion);
+    if (!f.has("length") && motion != catalogue_.motions.end())
+      clip.length = clip.speed > 0 ? std::max(0.001, (motion->second.duration - clip.offset) / clip.speed) : motion->second.duration;
+    c->track.push_back(clip);
+    return "Add clip";
+  }
+
+  std::string clip_set(Fields& f) {
+    const auto [c, i] = clip_in(f);
+    if (!c) return {};
+    ScenarioClip& clip = c->track[i];
+    const ScenarioClip before = clip;
+    read_clip(f, clip);
+    clip.id = before.id;
+    if (clip.motion != before.motion) return "Replace motion of clip";
+    if (clip.loop != before.loop) return clip.loop ? "Loop clip" : "Stop looping clip";
+    if (clip.speed != before.speed) return "Stretch clip";
+    if (clip.length != before.length) return "Trim clip";
+    if (clip.start != before.start) return clip.offset != before.offset ? "Trim clip" : "Move clip";
+    if (clip.offset != before.offset) return "Slip clip";
+    if (clip.blend != before.blend) return "Set blend of clip";
+    return "Change clip";
+  }
+
+  std::string clip_remove(Fields& f) {
+    const auto [c, i] = clip_in(f);
+    if (c) c->track.erase(c->track.begin() + static_cast<std::ptrdiff_t>(i));
+    return "Remove clip";
+  }
+
+  std::string clip_split(Fields& f) {
+    const auto [c, i] = clip_in(f);
+    double time = 0;
+    f.require("time", "the time in seconds at which to split");
+    f.number("time", time);
+    if (!c || !problems_.empty()) return {};
+    ScenarioClip first = c->track[i];
+    const double cut = time - first.start;
+    if (!(cut > 0.001 && cut < first.length - 0.001)) {
+      problems_.add(ErrorCode::range, f.path("time"), "The time " + ugoki::to_text(time) + " s is not inside clip '" + first.id + "'.",
+                    "Choose a time between " + to_fixed(first.start, 3) + " s and " + to_fixed(first.start + first.length, 3) + " s.");
+      return {};
+    }
+    ScenarioClip second = first;
+    second.id.clear();
+    settle_id(second.id, 'k');
+    first.length = cut;
+    second.start = time;
+    second.length -= cut;
+    second.blend = 0;
+    second.offset += cut * first.speed;
+    const auto motion = catalogue_.motions.find(second.motion);
+    if (second.loop && motion != catalogue_.motions.end() && motion->second.duration > 0)
+      second.offset -= std::floor(second.offset / motion->second.duration) * motion->second.duration;
+    c->track[i] = first;
+    c->track.push_back(second);
+    return "Split clip";
+  }
+
+  std::string character_add(Fields& f) {
+    f.require("mechanism", "a mechanism's id");
+    ScenarioCharacter c;
+    read_character(f, c);
+    if (!problems_.empty()) return {};
+    settle_id(c.id, 'c');
+    const auto mechanism = catalogue_.mechanisms.find(c.mechanism);
+    if (c.name.empty()) c.name = mechanism != catalogue_.mechanisms.end() && !mechanism->second.name.empty() ? mechanism->second.name : c.id;
+    document().characters.push_back(std::move(c));
+    return "Add character";
+  }
+
+  std::string character_set(Fields& f) {
+    ScenarioCharacter* c = character_in(f, "id");
+    if (!c) return {};
+    const ScenarioCharacter before = *c;
+    read_character(f, *c);
+    c->id = before.id;
+    if (c->mechanism != before.mechanism) return "Replace mechanism of character";
+    if (!(c->place == before.place)) return "Place character";
+    if (c->name != before.name) return "Rename character";
+    if (c->color != before.color) return "Colour character";
+    if (!(c->control == before.control)) return "Set control of character";
+    return "Change character";
+  }
+
+  /// With it go the events that are about it.
+  std::string character_remove(Fields& f) {
+    const ScenarioCharacter* c = character_in(f, "id");
+    if (!c) return {};
+    const std::string id = c->id;
+    std::erase_if(document().characters, [&](const ScenarioCharacter& x) { return x.id == id; });
+    std::erase_if(document().events, [&](const ScenarioEvent& e) { return e.character == id; });
+    if (document().camera.follow == id) document().camera.follow.clear();
+    return "Remove character";
+  }
+
+  std::string event_add(Fields& f) {
+    f.require("event", "the event: an object with type, time, character and so on");
+    ScenarioEvent event;
+    if (const Json* object = f.find("event")) {
+      Fields g(*object, f.path("event"), problems_);
+      g.require("type", "\"push\" or \"throw\"");
+      g.require("time", "the time in seconds at which it happens");
+      g.require("character", "a character's id");
+      read_event(g, event);
+      g.refuse_others();
+    }
+    if (!problems_.empty()) return {};
+    settle_id(event.id, 'e');
+    const bool push = event.type == EventType::push;
+    document().events.push_back(std::move(event));
+    return push ? "Add push" : "Add throw";
+  }
+
+  std::string event_set(Fields& f) {
+    ScenarioEvent* event = event_in(f);
+    f.require("event", "an object with the fields to change");
+    const Json* object = f.find("event");
+    if (!event || !object) return {};
+    const ScenarioEvent before = *event;
+    Fields g(*object, f.path("event"), problems_);
+    read_event(g, *event);
+    g.refuse_others();
+    if (event->type != before.type)
+      problems_.add(ErrorCode::structure, g.path("type"), "An event cannot change its type.", "Remove it and add another.");
+    event->id = before.id;
+    const std::string what = event->type == EventType::push ? "push" : "throw";
+    return (event->time != before.time ? "Move " : "Change ") + what;
+  }
+
+  std::string event_remove(Fields& f) {
+    const ScenarioEvent* event = event_in(f);
+    if (!event) return {};
+    const std::string id = event->id, label = event->type == EventType::push ? "Remove push" : "Remove throw";
+    std::erase_if(document().events, [&](const ScenarioEvent& e) { return e.id == id; });
+    return label;
+  }
+
+  std::string scenario_set(Fields& f) {
+    const Scenario before = document();
+    read_settings(f, document());
+    if (document().name != before.name) return "Rename content";
+    if (document().duration != before.duration) return "Set duration";
+    if (!(document().camera == before.camera)) return "Set camera";
+    if (!(document().look == before.look)) return "Set look";
+    return "Change settings";
+  }
+
+  std::string circuit_set(Fields& f) {
+    f.require("circuit", "a circuit, or null for the default one");
+    read_circuit_field(f, document());
+    return document().circuit.empty() ? "Use default circuit" : "Change circuit";
+  }
+
+  std::string group(Fields& f) {
+    std::string label = "Change";
+    f.require("commands", "a list of commands");
+    f.text("label", label);
+    const Json* commands = f.find("commands");
+    if (!commands) return {};
+    if (!commands->is_array()) {
+      problems_.add(ErrorCode::syntax, f.path("commands"), "It must be a list of commands.", "Write it as [ ... ].");
+      return {};
+    }
+    count_ += commands->size();
+    if (count_ > max_commands) {
+      problems_.add(ErrorCode::range, f.path("commands"), "The group has more than " + std::to_string(max_commands) + " commands.", "Make it smaller.");
+      return {};
+    }
+    for (std::size_t i = 0; i < commands->size() && problems_.empty(); ++i) apply((*commands)[i], f.path("commands") + "/" + std::to_string(i));
+    return label.empty() ? "Change" : label.substr(0, 200);
+  }
+
+  const Catalogue& catalogue_;
+  std::uint64_t& next_id_;
+  CommandEffect effect_;
+  Error problems_;
+  std::size_t count_ = 0;
+};
+
+void collect_resources(const Json& command, std::vector<std::string>& out) {
+  if (!command.is_object()) return;
+  for (const char* key : {"motion", "mechanism"})
+    if (const auto it = command.find(key); it != command.end() && it->is_string()) out.push_back(it->get_ref<const std::string&>());
+  if (const auto it = command.find("commands"); it != command.end() && it->is_array())
+    for (const Json& c : *it) collect_resources(c, out);
+}
+
+}  // namespace
+
+Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue, std::uint64_t& next_id) {
+  const Result<Json> json = parse_json(command, "command", max_command_size);
+  if (!json) return fail(json.error());
+  std::uint64_t counter = next_id;
+  Work work(scenario, catalogue, counter);
+  std::string label = work.apply(*json, "command");
+  Result<CommandEffect> effect = work.finish(std::move(label));
+  if (effect) next_id = counter;
+  return effect;
+}
+
+std::vector<std::string> resources_named(std::string_view command) {
+  std::vector<std::string> ids;
+  if (const Result<Json> json = parse_json(command, "command", max_command_size)) collect_resources(*json, ids);
+  return ids;
+}
+
+}  // namespace ugoki::content

@@ -1,0 +1,78 @@
+#include "ugoki/content/generate.h"
+
+#include <set>
+
+#include "ugoki/content/default_circuit.h"
+#include "ugoki/content/json_fields.h"
+#include "ugoki/content/track.h"
+#include "ugoki/content/ugx.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+
+namespace ugoki::content {
+
+MechanismFacts facts_of(const Mechanism& mechanism) {
+  MechanismFacts facts;
+  facts.name = mechanism.name();
+  facts.nq = mechanism.nq();
+  facts.free_root = mechanism.link_count() > 0 && mechanism.link(0).joint.type == JointType::floating;
+  for (const Link& link : mechanism.links()) {
+    facts.links.push_back(link.name);
+    if (!link.label.empty()) facts.labels.push_back(link.label);
+  }
+  return facts;
+}
+
+MotionFacts facts_of(const Motion& motion) { return {motion.name, motion.duration(), motion.nq, motion.cyclic}; }
+
+Catalogue catalogue_of(const Resources& resources) {
+  Catalogue catalogue;
+  for (const auto& [id, mechanism] : resources.mechanisms) catalogue.mechanisms.emplace(id, facts_of(*mechanism));
+  for (const auto& [id, motion] : resources.motions) catalogue.motions.emplace(id, facts_of(*motion));
+  return catalogue;
+}
+
+int find_link(const Mechanism& mechanism, std::string_view text) {
+  if (const int named = mechanism.find_link(text); named >= 0) return named;
+  for (int i = 0; i < mechanism.link_count(); ++i)
+    if (!text.empty() && mechanism.link(i).label == text) return i;
+  return -1;
+}
+
+Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resources& resources) {
+  Scenario document = scenario;
+  put_in_order(document);
+  const Catalogue catalogue = catalogue_of(resources);
+  Error problems = check_scenario(document, &catalogue);
+  if (!problems.empty()) return fail(std::move(problems));
+
+  std::set<std::string> mechanisms, motions;
+  for (const ScenarioCharacter& c : document.characters) {
+    mechanisms.insert(c.mechanism);
+    for (const ScenarioClip& clip : c.track) motions.insert(clip.motion);
+    for (const ScenarioClip& clip : c.track)
+      for (Problem& p : check_motion(*resources.motions.at(clip.motion), *resources.mechanisms.at(c.mechanism)).problems) problems.problems.push_back(std::move(p));
+  }
+  if (!problems.empty()) return fail(std::move(problems));
+
+  std::vector<double> placements;
+  for (const ScenarioCharacter& c : document.characters) {
+    for (const Clip& clip : lay_track(c, *resources.mechanisms.at(c.mechanism), resources)) {
+      placements.insert(placements.end(), {clip.place.x, clip.place.y, clip.place.z, clip.place.heading});
+    }
+  }
+
+  UgxWriter writer;
+  const Json head = {{"generator", "ugoki 0.1.0"}, {"project", document.name}};
+  writer.add("head", head.dump(-1, ' ', false, Json::error_handler_t::replace));
+  writer.add("circuit", document.circuit.empty() ? default_circuit(document) : document.circuit);
+  document.circuit.clear();
+  writer.add("scenario", write_scenario(document));
+  const auto* bytes = reinterpret_cast<const std::byte*>(placements.data());
+  writer.add("placements", std::vector<std::byte>(bytes, bytes + placements.size() * sizeof(double)));
+  for (const std::string& id : mechanisms) writer.add("mechanism/" + id, formats::write_mechanism(*resources.mechanisms.at(id)));
+  for (const std::string& id : motions) writer.add("motion/" + id, formats::write_motion(*resources.motions.at(id)));
+  return writer.finish();
+}
+
+}  // namespace ugoki::content

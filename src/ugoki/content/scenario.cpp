@@ -1,0 +1,268 @@
+#include "ugoki/content/scenario.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "ugoki/base/number.h"
+#include "ugoki/content/scenario_json.h"
+
+namespace ugoki::content {
+namespace {
+
+constexpr double day = 86400;
+
+/// Collects the problems of one document.
+class Checker {
+ public:
+  Checker(const Scenario& scenario, const Catalogue* catalogue, std::string_view name, Error& problems)
+      : s_(scenario), catalogue_(catalogue), root_(name), problems_(problems) {}
+
+  void check() {
+    check_settings();
+    for (std::size_t i = 0; i < s_.characters.size(); ++i) check_character(s_.characters[i], root_ + "/characters/" + std::to_string(i));
+    for (std::size_t i = 0; i < s_.events.size(); ++i) check_event(s_.events[i], root_ + "/events/" + std::to_string(i));
+  }
+
+ private:
+  void range(const std::string& place, double value, double low, double high, std::string_view unit) {
+    if (value >= low && value <= high) return;
+    problems_.add(ErrorCode::range, place, "The value " + ugoki::to_text(value) + " is out of range.",
+                  "Give a value from " + ugoki::to_text(low) + " to " + ugoki::to_text(high) + (unit.empty() ? "." : " " + std::string(unit) + "."));
+  }
+  void vector_range(const std::string& place, const Vec3& v, double greatest, std::string_view unit) {
+    for (int i = 0; i < 3; ++i) range(place, v[i], -greatest, greatest, unit);
+  }
+  void check_name(const std::string& place, std::string_view value) {
+    if (value.empty() || value.size() > 200)
+      problems_.add(ErrorCode::range, place, "The name is empty or longer than 200 bytes.", "Give it a short name.");
+  }
+  void check_color(const std::string& place, std::string_view value) {
+    const bool good = value.size() == 7 && value[0] == '#' && std::all_of(value.begin() + 1, value.end(), [](char c) {
+                        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
+                      });
+    if (!good) problems_.add(ErrorCode::syntax, place, "'" + std::string(value) + "' is not a colour.", "Write it as #rrggbb, for example #e6e6ea.");
+  }
+  void check_own_id(const std::string& place, const std::string& id) {
+    if (!is_id(id))
+      problems_.add(ErrorCode::syntax, place, "'" + id + "' cannot be an id.", "Use 1 to 40 letters, digits, '-', '_' or '.'.");
+    else if (!ids_.insert(id).second)
+      problems_.add(ErrorCode::duplicate, place, "Two things in the document have the id '" + id + "'.", "Give each its own id.");
+  }
+
+  void check_settings() {
+    check_name(root_ + "/name", s_.name);
+    range(root_ + "/duration", s_.duration, 0.001, day, "s");
+    constexpr std::array<double, 6> rates = {24, 25, 30, 50, 60, 120};
+    if (std::find(rates.begin(), rates.end(), s_.frame_rate) == rates.end())
+      problems_.add(ErrorCode::range, root_ + "/frame_rate", ugoki::to_text(s_.frame_rate) + " is not a display frame rate.", "Use 24, 25, 30, 50, 60 or 120.");
+    range(root_ + "/step", s_.step, 0.0005, 0.004, "s");
+    vector_range(root_ + "/gravity", s_.gravity, 1000, "m/s^2");
+    range(root_ + "/ground/height", s_.ground.height, -1000, 1000, "m");
+    range(root_ + "/ground/friction", s_.ground.friction, 0, 10, "");
+    range(root_ + "/ground/restitution", s_.ground.restitution, 0, 1, "");
+    range(root_ + "/camera/distance", s_.camera.distance, 0.05, 1000, "m");
+    range(root_ + "/camera/azimuth", s_.camera.azimuth, -1000, 1000, "rad");
+    range(root_ + "/camera/elevation", s_.camera.elevation, -1.6, 1.6, "rad");
+    range(root_ + "/look/light", s_.look.light, 0, 2, "");
+    check_color(root_ + "/look/floor", s_.look.floor);
+    if (!s_.camera.follow.empty()) check_character_id(root_ + "/camera/follow", s_.camera.follow);
+  }
+
+  void check_character_id(const std::string& place, const std::string& id) {
+    if (!s_.find_character(id))
+      problems_.add(ErrorCode::unknown, place, "There is no character '" + id + "'.", "Name a character of the document, or take this out.");
+  }
+
+  void check_character(const ScenarioCharacter& c, const std::string& place) {
+    check_own_id(place + "/id", c.id);
+    check_name(place + "/name", c.name);
+    check_color(place + "/color", c.color);
+    vector_range(place + "/place", {c.place.x, c.place.y, c.place.z}, 10000, "m");
+    range(place + "/place/heading", c.place.heading, -36000, 36000, "degrees");
+    range(place + "/control/tracking", c.control.tracking, 0, 2, "");
+    range(place + "/control/balance", c.control.balance, 0, 2, "");
+    range(place + "/control/assist_limit", c.control.assist_limit, 0, 10, "body weights");
+    const MechanismFacts* mechanism = nullptr;
+    if (!is_id(c.mechanism, max_resource_id)) {
+      problems_.add(ErrorCode::syntax, place + "/mechanism", "'" + c.mechanism + "' cannot be the id of a mechanism.", "Choose a mechanism from the library.");
+    } else if (catalogue_) {
+      const auto it = catalogue_->mechanisms.find(c.mechanism);
+      if (it == catalogue_->mechanisms.end())
+        problems_.add(ErrorCode::unknown, place + "/mechanism", "The project has no mechanism '" + c.mechanism + "'.", "Import it or choose another.");
+      else
+        mechanism = &it->second;
+    }
+    for (std::size_t i = 0; i < c.track.size(); ++i) {
+      const std::string clip_place = place + "/track/" + std::to_string(i);
+      check_clip(c.track[i], mechanism, clip_place);
+      if (i > 0 && !(c.track[i].start > c.track[i - 1].start))
+        problems_.add(ErrorCode::structure, clip_place + "/start", "Clips '" + c.track[i - 1].id + "' and '" + c.track[i].id + "' start at the same time.",
+                      "Move one of them.");
+    }
+  }
+
+  void check_clip(const ScenarioClip& clip, const MechanismFacts* mechanism, const std::string& place) {
+    check_own_id(place + "/id", clip.id);
+    range(place + "/start", clip.start, 0, day, "s");
+    range(place + "/length", clip.length, 0.001, day, "s");
+    range(place + "/offset", clip.offset, 0, day, "s");
+    range(place + "/speed", clip.speed, 0.01, 100, "");
+    range(place + "/blend", clip.blend, 0, 60, "s");
+    if (!is_id(clip.motion, max_resource_id)) {
+      problems_.add(ErrorCode::syntax, place + "/motion", "'" + clip.motion + "' cannot be the id of a motion.", "Choose a motion from the library.");
+      return;
+    }
+    if (!catalogue_) return;
+    const auto it = catalogue_->motions.find(clip.motion);
+    if (it == catalogue_->motions.end()) {
+      problems_.add(ErrorCode::unknown, place + "/motion", "The project has no motion '" + clip.motion + "'.", "Import it or choose another.");
+      return;
+    }
+    const MotionFacts& motion = it->second;
+    if (mechanism && motion.nq != mechanism->nq)
+      problems_.add(ErrorCode::structure, place + "/motion",
+                    "Motion '" + motion.name + "' has " + std::to_string(motion.nq) + " coordinates, mechanism '" + mechanism->name + "' has " +
+                        std::to_string(mechanism->nq) + ".",
+                    "Use a motion that was made for this mechanism.");
+    if (clip.loop && !motion.cyclic)
+      problems_.add(ErrorCode::structure, place + "/loop", "Motion '" + motion.name + "' is not cyclic, so it cannot be looped.", "Switch loop off, or use a cyclic motion.");
+    constexpr double slack = 0.01;  // s: what a dragged and rounded edge may be off; the last frame is held
+    const double needed = clip.offset + clip.length * clip.speed;
+    if (!clip.loop && needed > motion.duration + slack)
+      problems_.add(ErrorCode::range, place + "/length",
+                    "The clip needs " + to_fixed(needed, 2) + " s of motion '" + motion.name + "', which lasts " + to_fixed(motion.duration, 2) + " s.",
+                    motion.cyclic ? "Shorten it, slow it down or loop it." : "Shorten it or slow it down.");
+    else if (clip.offset > motion.duration + slack)
+      problems_.add(ErrorCode::range, place + "/offset", "The clip begins behind the end of motion '" + motion.name + "' (" + to_fixed(motion.duration, 2) + " s).",
+                    "Give a smaller offset.");
+  }
+
+  void check_event(const ScenarioEvent& e, const std::string& place) {
+    check_own_id(place + "/id", e.id);
+    range(place + "/time", e.time, 0, day, "s");
+    const ScenarioCharacter* character = s_.find_character(e.character);
+    if (!character) check_character_id(place + "/character", e.character);
+    const MechanismFacts* mechanism = nullptr;
+    if (character && catalogue_)
+      if (const auto it = catalogue_->mechanisms.find(character->mechanism); it != catalogue_->mechanisms.end()) mechanism = &it->second;
+    if (e.type == EventType::push) {
+      range(place + "/duration", e.duration, 0.0005, 3600, "s");
+      vector_range(place + "/force", e.force, 1e6, "N");
+      const auto has = [&](const std::vector<std::string>& names) { return std::find(names.begin(), names.end(), e.link) != names.end(); };
+      if (e.link.empty())
+        problems_.add(ErrorCode::structure, place + "/link", "The push names no link.", "Name the link that is pushed.");
+      else if (mechanism && !has(mechanism->links) && !has(mechanism->labels))
+        problems_.add(ErrorCode::unknown, place + "/link", "Mechanism '" + mechanism->name + "' has no link '" + e.link + "'.", "Name one of its links.");
+      return;
+    }
+    vector_range(place + "/from", e.from, 10000, "m");
+    vector_range(place + "/velocity", e.velocity, 1000, "m/s");
+    vector_range(place + "/spin", e.spin, 1000, "rad/s");
+    if (character && character->control.mode != ControlMode::passive)
+      problems_.add(ErrorCode::structure, place + "/character", "Character '" + e.character + "' follows a track, so it cannot be thrown.",
+                    "Throw a passive character, or set its control mode to passive.");
+    if (mechanism && !mechanism->free_root)
+      problems_.add(ErrorCode::structure, place + "/character", "Mechanism '" + mechanism->name + "' is fixed to the world, so it cannot be thrown.", "Throw one that is free.");
+  }
+
+  const Scenario& s_;
+  const Catalogue* catalogue_;
+  std::string root_;
+  Error& problems_;
+  std::set<std::string> ids_;
+};
+
+template <class Read>
+void read_list(Fields& parent, std::string_view key, Read read) {
+  const Json* list = parent.find(key);
+  if (!list) return;
+  if (!list->is_array()) {
+    parent.problems().add(ErrorCode::syntax, parent.path(key), "It must be a list, but it is " + std::string(type_of(*list)) + ".", "Write it as [ ... ].");
+    return;
+  }
+  constexpr std::size_t most = 10'000;
+  if (list->size() > most) {
+    parent.problems().add(ErrorCode::range, parent.path(key), "The list has more than " + std::to_string(most) + " entries.", "Take some out.");
+    return;
+  }
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    Fields fields((*list)[i], parent.path(key) + "/" + std::to_string(i), parent.problems());
+    read(fields);
+    fields.refuse_others();
+  }
+}
+
+}  // namespace
+
+const ScenarioCharacter* Scenario::find_character(std::string_view id) const {
+  for (const ScenarioCharacter& c : characters)
+    if (c.id == id) return &c;
+  return nullptr;
+}
+ScenarioCharacter* Scenario::find_character(std::string_view id) {
+  for (ScenarioCharacter& c : characters)
+    if (c.id == id) return &c;
+  return nullptr;
+}
+
+bool is_id(std::string_view text, std::size_t max_size) {
+  return !text.empty() && text.size() <= max_size && std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.';
+  });
+}
+
+void put_in_order(Scenario& scenario) {
+  for (ScenarioCharacter& c : scenario.characters)
+    std::sort(c.track.begin(), c.track.end(), [](const auto& a, const auto& b) { return a.start != b.start ? a.start < b.start : a.id < b.id; });
+  std::sort(scenario.events.begin(), scenario.events.end(), [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
+}
+
+Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
+  Result<Json> json = parse_json(text, name);
+  if (!json) return fail(std::move(json.error()));
+  Error problems;
+  Scenario s;
+  Fields f(*json, std::string(name), problems);
+  int version = scenario_version;
+  f.require("version", "\"version\": 1");
+  f.integer("version", version);
+  if (version > scenario_version)
+    return fail(ErrorCode::unsupported, f.path("version"),
+                "The document has version " + std::to_string(version) + "; this program knows version " + std::to_string(scenario_version) + ".",
+                "Open it with a newer Ugoki.");
+  if (version < 1) problems.add(ErrorCode::range, f.path("version"), "There is no version " + std::to_string(version) + ".", "Write \"version\": 1.");
+  read_settings(f, s);
+  read_list(f, "characters", [&](Fields& g) {
+    ScenarioCharacter c;
+    read_character(g, c);
+    read_list(g, "track", [&](Fields& h) {
+      h.require("length", "its length in seconds");
+      read_clip(h, c.track.emplace_back());
+    });
+    if (c.name.empty()) c.name = c.id;
+    s.characters.push_back(std::move(c));
+  });
+  read_list(f, "events", [&](Fields& g) {
+    g.require("type", "\"push\" or \"throw\"");
+    read_event(g, s.events.emplace_back());
+  });
+  read_circuit_field(f, s);
+  f.refuse_others();
+  if (!problems.empty()) return fail(std::move(problems));
+  put_in_order(s);
+  problems = check_scenario(s, nullptr, name);
+  if (!problems.empty()) return fail(std::move(problems));
+  return s;
+}
+
+std::string write_scenario(const Scenario& scenario) { return to_text(to_json(scenario), 2) + "\n"; }
+
+Error check_scenario(const Scenario& scenario, const Catalogue* catalogue, std::string_view name) {
+  Error problems;
+  Checker(scenario, catalogue, name, problems).check();
+  return problems;
+}
+
+}  // namespace ugoki::content

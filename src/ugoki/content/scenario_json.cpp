@@ -1,0 +1,188 @@
+#include "ugoki/content/scenario_json.h"
+
+namespace ugoki::content {
+namespace {
+
+/// Calls read(fields) with the object in `key`, if there is one.
+template <class Read>
+void read_object(Fields& parent, std::string_view key, Read read) {
+  const Json* object = parent.find(key);
+  if (!object) return;
+  Fields fields(*object, parent.path(key), parent.problems());
+  read(fields);
+  fields.refuse_others();
+}
+
+void read_camera(Fields& f, ScenarioCamera& out) {
+  if (const Json* follow = f.find("follow"); follow && follow->is_null())
+    out.follow.clear();
+  else
+    f.text("follow", out.follow);
+  f.number("distance", out.distance);
+  f.number("azimuth", out.azimuth);
+  f.number("elevation", out.elevation);
+}
+
+}  // namespace
+
+void read_clip(Fields& f, ScenarioClip& out) {
+  f.text("id", out.id);
+  f.text("motion", out.motion);
+  f.number("start", out.start);
+  f.number("length", out.length);
+  f.number("offset", out.offset);
+  f.number("speed", out.speed);
+  f.number("blend", out.blend);
+  f.boolean("loop", out.loop);
+}
+
+void read_place(Fields& f, ScenarioPlace& out) {
+  f.number("x", out.x);
+  f.number("y", out.y);
+  f.number("z", out.z);
+  f.number("heading", out.heading);
+}
+
+void read_control(Fields& f, ScenarioControl& out) {
+  std::string mode = out.mode == ControlMode::track ? "track" : "passive", beyond = "let_go";
+  f.text("mode", mode);
+  if (mode == "track")
+    out.mode = ControlMode::track;
+  else if (mode == "passive")
+    out.mode = ControlMode::passive;
+  else
+    f.problems().add(ErrorCode::unknown, f.path("mode"), "There is no control mode '" + mode + "'.", "Use \"track\" or \"passive\".");
+  f.number("tracking", out.tracking);
+  f.number("balance", out.balance);
+  f.number("assist_limit", out.assist_limit);
+  f.text("beyond", beyond);
+  if (beyond != "let_go")
+    f.problems().add(ErrorCode::unknown, f.path("beyond"), "Nothing is known as '" + beyond + "' beyond the cap.", "Use \"let_go\".");
+}
+
+void read_character(Fields& f, ScenarioCharacter& out) {
+  f.text("id", out.id);
+  f.text("name", out.name);
+  f.text("mechanism", out.mechanism);
+  f.text("color", out.color);
+  read_object(f, "place", [&](Fields& g) { read_place(g, out.place); });
+  read_object(f, "control", [&](Fields& g) { read_control(g, out.control); });
+}
+
+void read_event(Fields& f, ScenarioEvent& out) {
+  std::string type = out.type == EventType::push ? "push" : "throw";
+  f.text("id", out.id);
+  f.text("type", type);
+  if (type == "push")
+    out.type = EventType::push;
+  else if (type == "throw")
+    out.type = EventType::throw_;
+  else
+    f.problems().add(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.", "Use \"push\" or \"throw\".");
+  f.number("time", out.time);
+  f.text("character", out.character);
+  if (out.type == EventType::push) {
+    f.number("duration", out.duration);
+    f.text("link", out.link);
+    f.vec3("force", out.force);
+  } else {
+    f.vec3("from", out.from);
+    f.vec3("velocity", out.velocity);
+    f.vec3("spin", out.spin);
+  }
+}
+
+void read_settings(Fields& f, Scenario& out) {
+  f.text("name", out.name);
+  f.number("duration", out.duration);
+  f.number("frame_rate", out.frame_rate);
+  f.number("step", out.step);
+  f.vec3("gravity", out.gravity);
+  read_object(f, "ground", [&](Fields& g) {
+    g.number("height", out.ground.height);
+    g.number("friction", out.ground.friction);
+    g.number("restitution", out.ground.restitution);
+  });
+  read_object(f, "camera", [&](Fields& g) { read_camera(g, out.camera); });
+  read_object(f, "look", [&](Fields& g) {
+    g.number("light", out.look.light);
+    g.text("floor", out.look.floor);
+  });
+}
+
+void read_circuit_field(Fields& f, Scenario& out) {
+  const Json* circuit = f.find("circuit");
+  if (!circuit) return;
+  if (circuit->is_object())
+    out.circuit = to_text(*circuit, -1);
+  else if (circuit->is_null())
+    out.circuit.clear();
+  else
+    f.problems().add(ErrorCode::syntax, f.path("circuit"), "It must be a circuit or null.", "Give an object in the form of docs/circuit.md, or null.");
+}
+
+Json to_json(const ScenarioClip& c) {
+  return {{"id", c.id},         {"motion", c.motion}, {"start", c.start}, {"length", c.length},
+          {"offset", c.offset}, {"speed", c.speed},   {"blend", c.blend}, {"loop", c.loop}};
+}
+
+Json to_json(const ScenarioCharacter& c) {
+  Json track = Json::array();
+  for (const ScenarioClip& clip : c.track) track.push_back(to_json(clip));
+  return {{"id", c.id},
+          {"name", c.name},
+          {"mechanism", c.mechanism},
+          {"color", c.color},
+          {"place", {{"x", c.place.x}, {"y", c.place.y}, {"z", c.place.z}, {"heading", c.place.heading}}},
+          {"control",
+           {{"mode", c.control.mode == ControlMode::track ? "track" : "passive"},
+            {"tracking", c.control.tracking},
+            {"balance", c.control.balance},
+            {"assist_limit", c.control.assist_limit},
+            {"beyond", "let_go"}}},
+          {"track", std::move(track)}};
+}
+
+Json to_json(const ScenarioEvent& e) {
+  Json json = {{"id", e.id}, {"type", e.type == EventType::push ? "push" : "throw"}, {"time", e.time}};
+  if (e.type == EventType::push) {
+    json["duration"] = e.duration;
+    json["character"] = e.character;
+    json["link"] = e.link;
+    json["force"] = to_json(e.force);
+  } else {
+    json["character"] = e.character;
+    json["from"] = to_json(e.from);
+    json["velocity"] = to_json(e.velocity);
+    json["spin"] = to_json(e.spin);
+  }
+  return json;
+}
+
+Json to_json(const Scenario& s) {
+  Json characters = Json::array(), events = Json::array();
+  for (const ScenarioCharacter& c : s.characters) characters.push_back(to_json(c));
+  for (const ScenarioEvent& e : s.events) events.push_back(to_json(e));
+  Json json = {{"version", scenario_version},
+               {"name", s.name},
+               {"duration", s.duration},
+               {"frame_rate", s.frame_rate},
+               {"step", s.step},
+               {"gravity", to_json(s.gravity)},
+               {"ground", {{"height", s.ground.height}, {"friction", s.ground.friction}, {"restitution", s.ground.restitution}}},
+               {"characters", std::move(characters)},
+               {"events", std::move(events)},
+               {"camera",
+                {{"follow", s.camera.follow.empty() ? Json(nullptr) : Json(s.camera.follow)},
+                 {"distance", s.camera.distance},
+                 {"azimuth", s.camera.azimuth},
+                 {"elevation", s.camera.elevation}}},
+               {"look", {{"light", s.look.light}, {"floor", s.look.floor}}},
+               {"circuit", nullptr}};
+  if (!s.circuit.empty()) json["circuit"] = Json::parse(s.circuit, nullptr, false);
+  return json;
+}
+
+std::string to_text(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace ugoki::content

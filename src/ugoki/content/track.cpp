@@ -1,0 +1,40 @@
+#include "ugoki/content/track.h"
+
+namespace ugoki::content {
+
+Clip to_clip(const ScenarioClip& clip) {
+  Clip out;
+  out.start = clip.start;
+  out.length = clip.length;
+  out.offset = clip.offset;
+  out.speed = clip.speed;
+  out.blend = clip.blend;
+  out.loop = clip.loop;
+  return out;
+}
+
+Placement to_placement(const ScenarioPlace& place) { return {place.x, place.y, place.z, place.heading * (pi / 180)}; }
+
+std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources) {
+  std::vector<Clip> track;
+  Placement at = to_placement(character.place);
+  for (std::size_t i = 0; i < character.track.size(); ++i) {
+    const ScenarioClip& source = character.track[i];
+    Clip clip = to_clip(source);
+    if (i > 0) at = floor_placement(track.back(), *resources.motions.find(character.track[i - 1].motion)->second, mechanism, clip.start);
+    lay_clip(clip, *resources.motions.find(source.motion)->second, mechanism, at);
+    track.push_back(clip);
+  }
+  return track;
+}
+
+std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism, const std::vector<Clip>& track, const Resources& resources) {
+  std::vector<double> q = mechanism.neutral();
+  if (track.empty())
+    displace_root(mechanism, to_placement(character.place), q);
+  else
+    sample(track.front(), *resources.motions.find(character.track.front().motion)->second, mechanism, 0, q);
+  return q;
+}
+
+}  // namespace ugoki::content

@@ -1,0 +1,17 @@
+#pragma once
+// The tables of a library file and how older versions are brought up to date. Internal to store.
+
+#include "ugoki/base/result.h"
+#include "ugoki/store/sqlite.h"
+
+namespace ugoki::store {
+
+inline constexpr std::int64_t library_application_id = 0x55474b4c;  // "UGKL"
+inline constexpr std::int64_t library_version = 1;
+
+/// Refuses what is not a library of a version that this program knows. An empty file is good.
+[[nodiscard]] Result<void> check_library(Database& database);
+/// Makes the tables, or brings those of an older version up to date, in one transaction.
+[[nodiscard]] Result<void> migrate_library(Database& database);
+
+}  // namespace ugoki::store

@@ -1,0 +1,208 @@
+#include "ugoki/store/sqlite.h"
+
+#include <sqlite3.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "ugoki/base/check.h"
+
+namespace ugoki::store {
+namespace {
+
+constexpr int busy_timeout_ms = 5000;
+
+/// What SQLite's code means for the person who owns the file.
+Problem problem_of(int code, const char* message, const std::string& path, std::string_view doing) {
+  const std::string did = doing.empty() ? std::string("The database") : std::string(doing) + ": the database";
+  switch (code & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return {ErrorCode::conflict, path, did + " is locked by another program.", "Close the other program or wait until it has finished, then try again."};
+    case SQLITE_CORRUPT:
+    case SQLITE_NOTADB:
+      return {ErrorCode::syntax, path, did + " is damaged or is not a database (" + message + ").", "Restore it from a copy; it was left as it is."};
+    case SQLITE_FULL:
+      return {ErrorCode::io, path, did + " cannot grow: the disk is full.", "Free some space and try again; nothing was half written."};
+    case SQLITE_READONLY:
+      return {ErrorCode::io, path, did + " cannot be written.", "Check the permissions of the file and of its folder."};
+    case SQLITE_CANTOPEN:
+      return {ErrorCode::io, path, did + " cannot be opened.", "Check that the folder exists and that you may read and write it."};
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+      return {ErrorCode::io, path, did + " may not be accessed.", "Check the permissions of the file and of its folder."};
+    case SQLITE_NOMEM:
+      return {ErrorCode::io, path, did + " needs more memory than there is.", "Close other programs and try again."};
+    case SQLITE_TOOBIG:
+      return {ErrorCode::range, path, did + " cannot hold an entry of this size.", "Entries may have up to 1 GB."};
+    default:
+      return {ErrorCode::io, path, did + " failed: " + message + ".", "Check the disk and the file's permissions, then try again."};
+  }
+}
+
+}  // namespace
+
+Result<Database> Database::open(const std::string& path, OpenMode mode) {
+  const int flags = mode == OpenMode::read_only ? SQLITE_OPEN_READONLY : mode == OpenMode::read_write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  sqlite3* handle = nullptr;
+  const int code = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_EXRESCODE, nullptr);
+  if (code != SQLITE_OK) {
+    const Problem problem = problem_of(code, handle ? sqlite3_errmsg(handle) : "no memory", path, "");
+    sqlite3_close(handle);
+    return fail(problem);
+  }
+  Database database(handle, path);
+  sqlite3_busy_timeout(handle, busy_timeout_ms);
+  sqlite3_limit(handle, SQLITE_LIMIT_ATTACHED, 2);
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);      // no writing around the file's structure
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr); // a hostile file's views run no functions of ours
+  if (mode != OpenMode::read_only) return database;
+  // Reading needs the -shm file beside the database; where it cannot be made, nobody can be writing either.
+  if (const auto tables = database.integer("SELECT count(*) FROM sqlite_schema"); !tables) {
+    const int failed = sqlite3_errcode(handle) & 0xff;
+    if (failed != SQLITE_CANTOPEN && failed != SQLITE_READONLY) return fail(tables.error());
+    std::string uri = "file:";
+    for (const char c : path) {
+      if (c == '%' || c == '?' || c == '#') {
+        constexpr const char* digits = "0123456789abcdef";
+        const auto byte = static_cast<unsigned char>(c);
+        uri += {'%', digits[byte >> 4], digits[byte & 15]};
+      } else {
+        uri += c;
+      }
+    }
+    uri += "?immutable=1";
+    sqlite3* again = nullptr;
+    const int second = sqlite3_open_v2(uri.c_str(), &again, flags | SQLITE_OPEN_EXRESCODE | SQLITE_OPEN_URI, nullptr);
+    if (second != SQLITE_OK) {
+      sqlite3_close(again);
+      return fail(tables.error());
+    }
+    return Database(again, path);
+  }
+  return database;
+}
+
+Database::Database(Database&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)), path_(std::move(other.path_)) {}
+Database& Database::operator=(Database&& other) noexcept {
+  std::swap(handle_, other.handle_);
+  std::swap(path_, other.path_);
+  return *this;
+}
+Database::~Database() { sqlite3_close_v2(handle_); }
+
+Error Database::last_error(std::string_view doing) const {
+  return problem_of(sqlite3_extended_errcode(handle_), sqlite3_errmsg(handle_), path_, doing);
+}
+
+Result<void> Database::run(const std::string& sql) {
+  if (sqlite3_exec(handle_, sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) return fail(last_error(""));
+  return {};
+}
+
+Result<Statement> Database::prepare(std::string_view sql) {
+  sqlite3_stmt* statement = nullptr;
+  if (sqlite3_prepare_v2(handle_, sql.data(), static_cast<int>(sql.size()), &statement, nullptr) != SQLITE_OK) return fail(last_error(""));
+  return Statement(*this, statement);
+}
+
+Result<std::int64_t> Database::integer(const std::string& sql) {
+  Result<Statement> statement = prepare(sql);
+  if (!statement) return fail(std::move(statement.error()));
+  const Result<bool> row = statement->step();
+  if (!row) return fail(row.error());
+  return *row ? statement->integer(0) : 0;
+}
+
+Result<std::string> Database::text(const std::string& sql) {
+  Result<Statement> statement = prepare(sql);
+  if (!statement) return fail(std::move(statement.error()));
+  const Result<bool> row = statement->step();
+  if (!row) return fail(row.error());
+  return *row ? statement->text(0) : std::string();
+}
+
+Result<void> Database::check_structure() {
+  const Result<std::string> answer = text("PRAGMA quick_check(1)");
+  if (!answer) return fail(answer.error());
+  if (*answer != "ok") return fail(ErrorCode::syntax, path_, "The database is damaged (" + *answer + ").", "Restore it from a copy; it was left as it is.");
+  return {};
+}
+
+Statement::Statement(Statement&& other) noexcept : path_(std::move(other.path_)), handle_(std::exchange(other.handle_, nullptr)) {}
+Statement& Statement::operator=(Statement&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(handle_, other.handle_);
+  return *this;
+}
+Statement::~Statement() { sqlite3_finalize(handle_); }
+
+Statement& Statement::bind(int index, std::int64_t value) {
+  UGOKI_CHECK(sqlite3_bind_int64(handle_, index, value) == SQLITE_OK);
+  return *this;
+}
+Statement& Statement::bind(int index, std::string_view value) {
+  // A text too large for SQLite leaves the parameter null, which the table's NOT NULL refuses with a message.
+  sqlite3_bind_text64(handle_, index, value.data() ? value.data() : "", value.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+  return *this;
+}
+Statement& Statement::bind_blob(int index, std::span<const std::byte> value) {
+  if (value.empty())
+    sqlite3_bind_zeroblob(handle_, index, 0);
+  else
+    sqlite3_bind_blob64(handle_, index, value.data(), value.size(), SQLITE_TRANSIENT);
+  return *this;
+}
+
+Result<bool> Statement::step() {
+  const int code = sqlite3_step(handle_);
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  return fail(problem_of(code, sqlite3_errmsg(sqlite3_db_handle(handle_)), path_, ""));
+}
+
+Result<void> Statement::run() {
+  for (;;) {
+    Result<bool> row = step();
+    if (!row) {
+      sqlite3_reset(handle_);
+      return fail(std::move(row.error()));
+    }
+    if (!*row) break;
+  }
+  sqlite3_reset(handle_);
+  return {};
+}
+
+std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(handle_, column); }
+std::string Statement::text(int column) const {
+  const auto* p = sqlite3_column_text(handle_, column);
+  const auto n = static_cast<std::size_t>(sqlite3_column_bytes(handle_, column));
+  return p ? std::string(reinterpret_cast<const char*>(p), n) : std::string();
+}
+std::vector<std::byte> Statement::blob(int column) const {
+  const auto* p = static_cast<const std::byte*>(sqlite3_column_blob(handle_, column));
+  const auto n = static_cast<std::size_t>(sqlite3_column_bytes(handle_, column));
+  return p ? std::vector<std::byte>(p, p + n) : std::vector<std::byte>();
+}
+bool Statement::is_null(int column) const { return sqlite3_column_type(handle_, column) == SQLITE_NULL; }
+
+Result<Transaction> Transaction::begin(Database& database) {
+  Result<void> begun = database.run("BEGIN IMMEDIATE");
+  if (!begun) return fail(std::move(begun.error()));
+  return Transaction(database);
+}
+
+Transaction::~Transaction() {
+  if (database_) (void)database_->run("ROLLBACK");
+}
+
+Result<void> Transaction::commit() {
+  UGOKI_CHECK(database_ != nullptr);
+  Result<void> done = database_->run("COMMIT");
+  if (done) database_ = nullptr;  // otherwise rolled back when this is destroyed
+  return done;
+}
+
+}  // namespace ugoki::store
