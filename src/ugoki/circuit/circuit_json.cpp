@@ -1,0 +1,353 @@
+// The text form of circuits. The JSON library stays in this file; every type is checked before it is read, so that
+// nothing is thrown.
+
+#include <initializer_list>
+#include <nlohmann/json.hpp>
+
+#include "ugoki/base/number.h"
+#include "ugoki/circuit/circuit.h"
+
+namespace ugoki::circuit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int max_depth = 32;  // circuits inside circuits
+
+bool is_id(std::string_view text) {
+  if (text.empty() || text.size() > 64) return false;
+  for (const char c : text) {
+    const bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+    if (!good) return false;
+  }
+  return true;
+}
+
+/// "id.pin" with both parts.
+bool is_end(std::string_view text) {
+  const auto dot = text.find('.');
+  return dot != std::string_view::npos && is_id(text.substr(0, dot)) && dot + 1 < text.size();
+}
+
+class Reader {
+ public:
+  Error problems;
+
+  Circuit read(const Json& json, const std::string& place, int depth, bool outermost) {
+    Circuit c;
+    if (!object(json, place)) return c;
+    if (depth > max_depth) {
+      problems.add(ErrorCode::range, place, "Circuits are nested more than " + std::to_string(max_depth) + " deep.", "Flatten the innermost ones.");
+      return c;
+    }
+    known_fields(json, place, {"version", "name", "doc", "inputs", "outputs", "parameters", "lsis", "wires", "circuits"});
+    if (outermost) read_version(json, place);
+    c.name = text(json, "name", place, !outermost);
+    c.doc = text(json, "doc", place, false);
+    each(json, "inputs", place, [&](const Json& j, const std::string& p) { c.inputs.push_back(read_pin(j, p, "to")); });
+    each(json, "outputs", place, [&](const Json& j, const std::string& p) { c.outputs.push_back(read_pin(j, p, "from")); });
+    each(json, "parameters", place, [&](const Json& j, const std::string& p) { c.parameters.push_back(read_parameter(j, p)); });
+    each(json, "lsis", place, [&](const Json& j, const std::string& p) { c.lsis.push_back(read_instance(j, p)); });
+    each(json, "wires", place, [&](const Json& j, const std::string& p) { c.wires.push_back(read_wire(j, p)); });
+    each(json, "circuits", place, [&](const Json& j, const std::string& p) { c.circuits.push_back(read(j, p, depth + 1, false)); });
+    return c;
+  }
+
+ private:
+  bool object(const Json& json, const std::string& place) {
+    if (json.is_object()) return true;
+    problems.add(ErrorCode::syntax, place, "An object { } is expected here.", "See docs/circuit.md for the form.");
+    return false;
+  }
+
+  void known_fields(const Json& json, const std::string& place, std::initializer_list<std::string_view> names) {
+    for (auto it = json.begin(); it != json.end(); ++it) {
+      bool known = false;
+      for (const std::string_view n : names) known = known || it.key() == n;
+      if (!known)
+        problems.add(ErrorCode::unknown, place + "/" + it.key(), "There is no field '" + it.key() + "' here.",
+                     "Remove it, or mind the spelling; comments go into \"note\" or \"doc\".");
+    }
+  }
+
+  void read_version(const Json& json, const std::string& place) {
+    const auto it = json.find("version");
+    if (it == json.end() || !it->is_number_integer()) {
+      problems.add(ErrorCode::syntax, place + "/version", "The version of the form is missing.", "Write \"version\": " + std::to_string(circuit_version) + ".");
+    } else if (it->get<std::int64_t>() != circuit_version) {
+      problems.add(ErrorCode::unsupported, place + "/version",
+                   "This program reads circuits of version " + std::to_string(circuit_version) + ".", "Use the program that wrote it, or a newer one.");
+    }
+  }
+
+  template <class Visit>
+  void each(const Json& json, const char* field, const std::string& place, Visit visit) {
+    const auto it = json.find(field);
+    if (it == json.end()) return;
+    const std::string at = place + "/" + field;
+    if (!it->is_array()) {
+      problems.add(ErrorCode::syntax, at, "A list [ ] is expected here.", "See docs/circuit.md for the form.");
+      return;
+    }
+    for (std::size_t i = 0; i < it->size(); ++i) visit((*it)[i], at + "/" + std::to_string(i));
+  }
+
+  std::string text(const Json& json, const char* field, const std::string& place, bool required) {
+    const auto it = json.find(field);
+    if (it == json.end()) {
+      if (required) problems.add(ErrorCode::syntax, place, "The field '" + std::string(field) + "' is missing.", "Add it.");
+      return {};
+    }
+    if (!it->is_string()) {
+      problems.add(ErrorCode::syntax, place + "/" + field, "A text is expected here.", "Put it into double quotes.");
+      return {};
+    }
+    return it->get<std::string>();
+  }
+
+  std::string end(const Json& json, const std::string& place) {
+    if (json.is_string()) {
+      auto value = json.get<std::string>();
+      if (is_end(value)) return value;
+    }
+    problems.add(ErrorCode::syntax, place, "A pin is expected here.", "Write it as \"id.pin\".");
+    return {};
+  }
+
+  std::vector<std::string> ends(const Json& json, const char* field, const std::string& place) {
+    std::vector<std::string> out;
+    const auto it = json.find(field);
+    const std::string at = place + "/" + field;
+    if (it == json.end()) {
+      problems.add(ErrorCode::syntax, place, "The field '" + std::string(field) + "' is missing.", "Name the pins inside as \"id.pin\".");
+    } else if (it->is_array()) {
+      for (std::size_t i = 0; i < it->size(); ++i) out.push_back(end((*it)[i], at + "/" + std::to_string(i)));
+    } else {
+      out.push_back(end(*it, at));
+    }
+    return out;
+  }
+
+  BoundaryPin read_pin(const Json& json, const std::string& place, const char* direction) {
+    BoundaryPin pin;
+    if (!object(json, place)) return pin;
+    known_fields(json, place, {"name", "type", "unit", "doc", direction});
+    pin.name = text(json, "name", place, true);
+    if (pin.name.find('.') != std::string::npos)
+      problems.add(ErrorCode::syntax, place + "/name", "A pin's name may not contain a point.", "Use a space or '_'.");
+    const std::string type = text(json, "type", place, true);
+    if (const PinType* found = find_pin_type(type)) {
+      pin.type = found->id;
+    } else {
+      std::string all;
+      for (const PinType& t : pin_types()) all += (all.empty() ? "" : ", ") + std::string(t.name);
+      problems.add(ErrorCode::unknown, place + "/type", "There is no pin type '" + type + "'.", "Types are: " + all + ".");
+    }
+    pin.unit = text(json, "unit", place, false);
+    pin.doc = text(json, "doc", place, false);
+    pin.ends = ends(json, direction, place);
+    if (std::string_view(direction) == "from" && pin.ends.size() != 1)
+      problems.add(ErrorCode::structure, place + "/from", "An output comes from exactly one pin.", "Name one \"id.pin\".");
+    return pin;
+  }
+
+  BoundaryParameter read_parameter(const Json& json, const std::string& place) {
+    BoundaryParameter p;
+    if (!object(json, place)) return p;
+    known_fields(json, place, {"name", "doc", "to"});
+    p.name = text(json, "name", place, true);
+    p.doc = text(json, "doc", place, false);
+    p.ends = ends(json, "to", place);
+    return p;
+  }
+
+  void read_values(const Json& json, const char* field, const std::string& place, std::vector<NamedValue>& out) {
+    const auto it = json.find(field);
+    if (it == json.end()) return;
+    const std::string at = place + "/" + field;
+    if (!object(*it, at)) return;
+    for (auto value = it->begin(); value != it->end(); ++value) {
+      const std::string here = at + "/" + value.key();
+      if (value->is_boolean()) {
+        out.emplace_back(value.key(), value->get<bool>());
+      } else if (value->is_number()) {
+        out.emplace_back(value.key(), value->get<double>());
+      } else if (value->is_string()) {
+        out.emplace_back(value.key(), value->get<std::string>());
+      } else if (value->is_array()) {
+        std::vector<double> numbers;
+        for (const Json& n : *value) {
+          if (n.is_number()) numbers.push_back(n.get<double>());
+        }
+        if (numbers.size() != value->size()) problems.add(ErrorCode::syntax, here, "A list of numbers is expected here.", "Leave out what is not a number.");
+        out.emplace_back(value.key(), std::move(numbers));
+      } else {
+        problems.add(ErrorCode::syntax, here, "A number, true or false, a text or a list of numbers is expected here.", "Remove it to get the default.");
+      }
+    }
+  }
+
+  Instance read_instance(const Json& json, const std::string& place) {
+    Instance lsi;
+    if (!object(json, place)) return lsi;
+    known_fields(json, place, {"id", "type", "label", "note", "at", "every", "parameters", "values"});
+    lsi.id = text(json, "id", place, true);
+    if (json.contains("id") && !is_id(lsi.id))
+      problems.add(ErrorCode::syntax, place + "/id", "'" + lsi.id + "' cannot be an id.", "Use 1 to 64 letters, digits, '_' and '-'.");
+    lsi.type = text(json, "type", place, true);
+    lsi.label = text(json, "label", place, false);
+    lsi.note = text(json, "note", place, false);
+    if (const auto it = json.find("at"); it != json.end()) {
+      if (it->is_array() && it->size() == 2 && (*it)[0].is_number() && (*it)[1].is_number()) {
+        lsi.at = {(*it)[0].get<double>(), (*it)[1].get<double>()};
+      } else {
+        problems.add(ErrorCode::syntax, place + "/at", "A position [x, y] is expected here.", "Write two numbers.");
+      }
+    }
+    if (const auto it = json.find("every"); it != json.end()) {
+      if (it->is_number_unsigned() && it->get<std::uint64_t>() <= 1000000) {
+        lsi.every = it->get<std::uint32_t>();
+      } else {
+        problems.add(ErrorCode::range, place + "/every", "A whole number of ticks from 0 to 1000000 is expected here.", "1 runs it at each tick, 0 when it is asked for.");
+      }
+    }
+    read_values(json, "parameters", place, lsi.parameters);
+    read_values(json, "values", place, lsi.values);
+    return lsi;
+  }
+
+  Wire read_wire(const Json& json, const std::string& place) {
+    Wire wire;
+    if (!object(json, place)) return wire;
+    known_fields(json, place, {"from", "to"});
+    for (const char* field : {"from", "to"}) {
+      const auto it = json.find(field);
+      if (it == json.end()) {
+        problems.add(ErrorCode::syntax, place, "The field '" + std::string(field) + "' is missing.", "Write it as \"id.pin\".");
+      } else {
+        (std::string_view(field) == "from" ? wire.from : wire.to) = end(*it, place + "/" + field);
+      }
+    }
+    return wire;
+  }
+};
+
+std::string quoted(const std::string& text) { return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::string value_text(const Value& value) {
+  if (const auto* number = std::get_if<double>(&value)) return to_text(*number);
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* text = std::get_if<std::string>(&value)) return quoted(*text);
+  std::string out = "[";
+  for (const double x : std::get<std::vector<double>>(value)) out += (out.size() > 1 ? ", " : "") + to_text(x);
+  return out + "]";
+}
+
+void add_text(std::string& line, const char* field, const std::string& value) {
+  if (!value.empty()) line += ", \"" + std::string(field) + "\": " + quoted(value);
+}
+
+void add_values(std::string& line, const char* field, const std::vector<NamedValue>& values) {
+  if (values.empty()) return;
+  line += ", \"" + std::string(field) + "\": {";
+  for (std::size_t i = 0; i < values.size(); ++i)
+    line += (i ? ", " : "") + quoted(values[i].first) + ": " + value_text(values[i].second);
+  line += "}";
+}
+
+std::string ends_text(const std::vector<std::string>& ends) {
+  if (ends.size() == 1) return quoted(ends[0]);
+  std::string out = "[";
+  for (std::size_t i = 0; i < ends.size(); ++i) out += (i ? ", " : "") + quoted(ends[i]);
+  return out + "]";
+}
+
+std::string pin_text(const BoundaryPin& pin, const char* direction) {
+  std::string line = "{\"name\": " + quoted(pin.name) + ", \"type\": " + quoted(std::string(pin_type(pin.type).name));
+  add_text(line, "unit", pin.unit);
+  add_text(line, "doc", pin.doc);
+  return line + ", \"" + direction + "\": " + ends_text(pin.ends) + "}";
+}
+
+std::string instance_text(const Instance& lsi) {
+  std::string line = "{\"id\": " + quoted(lsi.id) + ", \"type\": " + quoted(lsi.type);
+  add_text(line, "label", lsi.label);
+  add_text(line, "note", lsi.note);
+  if (!(lsi.at == Position{})) line += ", \"at\": [" + to_text(lsi.at.x) + ", " + to_text(lsi.at.y) + "]";
+  if (lsi.every != 1) line += ", \"every\": " + std::to_string(lsi.every);
+  add_values(line, "parameters", lsi.parameters);
+  add_values(line, "values", lsi.values);
+  return line + "}";
+}
+
+template <class Items, class Text>
+void write_list(std::string& out, const std::string& indent, const char* field, const Items& items, Text item_text) {
+  if (items.empty()) return;
+  out += ",\n" + indent + "  \"" + field + "\": [";
+  for (std::size_t i = 0; i < items.size(); ++i) out += (i ? ",\n" : "\n") + indent + "    " + item_text(items[i]);
+  out += "\n" + indent + "  ]";
+}
+
+std::string circuit_text(const Circuit& c, const std::string& indent, bool outermost) {
+  std::string out = "{\n" + indent + "  ";
+  if (outermost) out += "\"version\": " + std::to_string(circuit_version) + ",\n" + indent + "  ";
+  out += "\"name\": " + quoted(c.name);
+  if (!c.doc.empty()) out += ",\n" + indent + "  \"doc\": " + quoted(c.doc);
+  write_list(out, indent, "inputs", c.inputs, [](const BoundaryPin& p) { return pin_text(p, "to"); });
+  write_list(out, indent, "outputs", c.outputs, [](const BoundaryPin& p) { return pin_text(p, "from"); });
+  write_list(out, indent, "parameters", c.parameters, [](const BoundaryParameter& p) {
+    std::string line = "{\"name\": " + quoted(p.name);
+    add_text(line, "doc", p.doc);
+    return line + ", \"to\": " + ends_text(p.ends) + "}";
+  });
+  write_list(out, indent, "lsis", c.lsis, instance_text);
+  write_list(out, indent, "wires", c.wires, [](const Wire& w) { return "{\"from\": " + quoted(w.from) + ", \"to\": " + quoted(w.to) + "}"; });
+  write_list(out, indent, "circuits", c.circuits, [&](const Circuit& inner) { return circuit_text(inner, indent + "    ", false); });
+  return out + "\n" + indent + "}";
+}
+
+/// "circuit:12": the line of byte `offset`.
+std::string line_of(std::string_view text, std::string_view place, std::size_t offset) {
+  std::size_t line = 1;
+  for (std::size_t i = 0; i < offset && i < text.size(); ++i) line += text[i] == '\n';
+  return std::string(place) + ":" + std::to_string(line);
+}
+
+/// Only finds where the text stops being JSON.
+struct Where {
+  std::size_t offset = 0;
+  bool null() { return true; }
+  bool boolean(bool) { return true; }
+  bool number_integer(Json::number_integer_t) { return true; }
+  bool number_unsigned(Json::number_unsigned_t) { return true; }
+  bool number_float(Json::number_float_t, const std::string&) { return true; }
+  bool string(std::string&) { return true; }
+  bool binary(Json::binary_t&) { return true; }
+  bool start_object(std::size_t) { return true; }
+  bool key(std::string&) { return true; }
+  bool end_object() { return true; }
+  bool start_array(std::size_t) { return true; }
+  bool end_array() { return true; }
+  template <class Exception>
+  bool parse_error(std::size_t position, const std::string&, const Exception&) {
+    offset = position;
+    return false;
+  }
+};
+
+}  // namespace
+
+Result<Circuit> read_circuit(std::string_view text, std::string_view place) {
+  Where where;
+  if (!Json::sax_parse(text.begin(), text.end(), &where))
+    return fail(ErrorCode::syntax, line_of(text, place, where.offset), "The text stops being JSON here.", "Look for a missing comma, quote or bracket.");
+  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  Reader reader;
+  Circuit circuit = reader.read(json, std::string(place), 0, true);
+  if (!reader.problems.empty()) return fail(std::move(reader.problems));
+  return circuit;
+}
+
+std::string write_circuit(const Circuit& circuit) { return circuit_text(circuit, "", true) + "\n"; }
+
+}  // namespace ugoki::circuit

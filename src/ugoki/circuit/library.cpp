@@ -1,0 +1,78 @@
+#include "ugoki/circuit/library.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "ugoki/base/check.h"
+
+namespace ugoki::circuit {
+namespace {
+
+template <class Pins>
+int find_by_name(const Pins& pins, std::string_view name) {
+  for (std::size_t i = 0; i < pins.size(); ++i)
+    if (pins[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
+template <class Pins>
+void check_names(const Pins& pins) {
+  for (std::size_t i = 0; i < pins.size(); ++i) {
+    UGOKI_CHECK(!pins[i].name.empty());
+    UGOKI_CHECK(pins[i].name.find('.') == std::string::npos);
+    UGOKI_CHECK(find_by_name(pins, pins[i].name) == static_cast<int>(i));
+  }
+}
+
+}  // namespace
+
+std::int32_t stop(const Call* call, std::string_view reason) {
+  if (call->reason_size > 0) {
+    const std::size_t n = std::min<std::size_t>(reason.size(), call->reason_size - 1);
+    std::memcpy(call->reason, reason.data(), n);
+    call->reason[n] = '\0';
+  }
+  return 1;
+}
+
+int LsiClass::find_input(std::string_view pin) const { return find_by_name(inputs, pin); }
+int LsiClass::find_output(std::string_view pin) const { return find_by_name(outputs, pin); }
+int LsiClass::find_parameter(std::string_view parameter) const { return find_by_name(parameters, parameter); }
+
+void Library::add(LsiClass c) {
+  UGOKI_CHECK(!c.name.empty() && !find(c.name));
+  check_names(c.inputs);
+  check_names(c.outputs);
+  check_names(c.parameters);
+  bool multiple_seen = false;
+  for (const InputPin& pin : c.inputs) {
+    UGOKI_CHECK(pin.multiple || !multiple_seen);
+    multiple_seen = pin.multiple;
+    UGOKI_CHECK(!pin.direct || c.step || c.advance);
+  }
+  for (const OutputPin& pin : c.outputs) UGOKI_CHECK(!pin.delayed || c.advance);
+  for (const Parameter& p : c.parameters) {
+    switch (p.kind) {
+      case ParameterKind::number:
+      case ParameterKind::integer: UGOKI_CHECK(std::holds_alternative<double>(p.initial)); break;
+      case ParameterKind::boolean: UGOKI_CHECK(std::holds_alternative<bool>(p.initial)); break;
+      case ParameterKind::text: UGOKI_CHECK(std::holds_alternative<std::string>(p.initial)); break;
+      case ParameterKind::choice:
+        UGOKI_CHECK(std::holds_alternative<std::string>(p.initial));
+        UGOKI_CHECK(std::find(p.choices.begin(), p.choices.end(), std::get<std::string>(p.initial)) != p.choices.end());
+        break;
+      case ParameterKind::vector:
+        UGOKI_CHECK(std::holds_alternative<std::vector<double>>(p.initial) && std::get<std::vector<double>>(p.initial).size() == 3);
+        break;
+    }
+  }
+  const auto at = std::lower_bound(classes_.begin(), classes_.end(), c.name, [](const LsiClass& a, const std::string& name) { return a.name < name; });
+  classes_.insert(at, std::move(c));
+}
+
+const LsiClass* Library::find(std::string_view name) const {
+  const auto at = std::lower_bound(classes_.begin(), classes_.end(), name, [](const LsiClass& a, std::string_view n) { return a.name < n; });
+  return at != classes_.end() && at->name == name ? &*at : nullptr;
+}
+
+}  // namespace ugoki::circuit

@@ -1,0 +1,265 @@
+#include "ugoki/circuit/machine.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "ugoki/base/hash.h"
+
+namespace ugoki::circuit {
+namespace {
+
+/// Hands out parts of the arena before it exists.
+class Layout {
+ public:
+  std::size_t take(std::size_t bytes) {
+    const std::size_t begin = size_;
+    size_ += (bytes + 7) / 8 * 8;
+    return begin;
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+ private:
+  std::size_t size_ = 0;
+};
+
+std::size_t output_bytes(const Unit& unit, std::size_t pin) { return payload_bytes(pin_type(unit.lsi_class->outputs[pin].type), unit.outputs[pin].count); }
+
+/// Places the outputs of one kind (delayed or not): numbers first, so that one range holds all that must be finite.
+Range place_outputs(Unit& unit, bool delayed, Layout& layout) {
+  Range numbers;
+  for (const bool numeric : {true, false}) {
+    if (numeric) numbers.begin = layout.size();
+    for (std::size_t pin = 0; pin < unit.outputs.size(); ++pin) {
+      const OutputPin& declared = unit.lsi_class->outputs[pin];
+      if (declared.delayed == delayed && pin_type(declared.type).numeric == numeric) unit.output_offsets[pin] = layout.take(output_bytes(unit, pin));
+    }
+    if (numeric) numbers.end = layout.size();
+  }
+  return numbers;
+}
+
+/// What an optional input without wire reads.
+std::vector<double> default_payload(const InputPin& pin, const std::vector<double>& given) {
+  if (!given.empty()) return given;
+  const PinType& type = pin_type(pin.type);
+  const std::uint32_t count = pin.count ? pin.count : type.default_count;
+  std::vector<double> numbers(payload_bytes(type, count) / sizeof(double), type.numeric ? pin.value : 0.0);
+  const std::size_t stride = type.element_bytes / sizeof(double);
+  if (pin.type == PinTypeId::rotation || pin.type == PinTypeId::pose)
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = i % stride == (pin.type == PinTypeId::pose ? 3u : 0u) ? 1.0 : 0.0;
+  return numbers;
+}
+
+std::uint64_t hash_layout(const std::vector<Unit>& units, double dt) {
+  Hash64 hash;
+  hash.add(dt);
+  for (const Unit& u : units) {
+    hash.add_bytes(u.id.data(), u.id.size() + 1);
+    hash.add_bytes(u.lsi_class->name.data(), u.lsi_class->name.size() + 1);
+    hash.add(std::uint64_t{u.lsi_class->version});
+    hash.add(std::uint64_t{u.state.size()});
+    for (const Shape& s : u.outputs) hash.add(std::uint64_t{s.count});
+  }
+  return hash.value();
+}
+
+struct Constant {
+  std::size_t offset = 0;
+  std::vector<double> numbers;
+};
+
+}  // namespace
+
+std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, const BuildOptions& options, Error& problems) {
+  auto machine = std::make_unique<Interpreter::Machine>();
+  Interpreter::Machine& m = *machine;
+  const std::size_t n = flat.lsis.size();
+  m.units.resize(n);
+  m.tick.dt = options.dt;
+  m.order = plan.order;
+  m.inputs = std::move(flat.inputs);
+  m.outputs = std::move(flat.outputs);
+
+  Layout layout;
+  for (std::size_t i = 0; i < n; ++i) {
+    Unit& u = m.units[i];
+    u.id = flat.lsis[i].id;
+    u.lsi_class = flat.lsis[i].lsi_class;
+    u.every = flat.lsis[i].every;
+    u.outputs = plan.setups[i].outputs();
+    u.output_offsets.resize(u.outputs.size());
+  }
+  for (const int i : m.order) {
+    Unit& u = m.units[static_cast<std::size_t>(i)];
+    u.direct_numbers = place_outputs(u, false, layout);
+  }
+  m.front.begin = layout.size();
+  for (const int i : m.order) {
+    Unit& u = m.units[static_cast<std::size_t>(i)];
+    u.delayed_numbers = place_outputs(u, true, layout);
+  }
+  m.front.end = layout.size();
+  m.back.begin = layout.take(m.front.size());
+  m.back.end = layout.size();
+  const std::size_t to_back = m.back.begin - m.front.begin;
+  for (const int i : m.order) {
+    Unit& u = m.units[static_cast<std::size_t>(i)];
+    u.delayed_numbers.begin += to_back;
+    u.delayed_numbers.end += to_back;
+    u.state.begin = layout.take(plan.setups[static_cast<std::size_t>(i)].state_bytes());
+    u.state.end = layout.size();
+  }
+  std::vector<Constant> constants;
+  std::vector<std::vector<std::size_t>> constant_offsets(n);  // [lsi][input], valid where nothing is wired
+  for (std::size_t i = 0; i < n; ++i) {
+    const FlatLsi& lsi = flat.lsis[i];
+    constant_offsets[i].resize(lsi.inputs.size());
+    for (std::size_t pin = 0; pin < lsi.inputs.size(); ++pin) {
+      if (!lsi.inputs[pin].sources.empty() || lsi.lsi_class->inputs[pin].multiple) continue;
+      Constant c{0, default_payload(lsi.lsi_class->inputs[pin], lsi.inputs[pin].value)};
+      if (c.numbers.empty()) continue;
+      constant_offsets[i][pin] = c.offset = layout.take(c.numbers.size() * sizeof(double));
+      constants.push_back(std::move(c));
+    }
+  }
+  m.arena.resize(layout.size() / 8 + 1);
+  for (const Constant& c : constants) std::memcpy(m.bytes() + c.offset, c.numbers.data(), c.numbers.size() * sizeof(double));
+  m.layout = hash_layout(m.units, options.dt);
+
+  // Counts first: the vectors that calls point into may not grow afterwards.
+  std::size_t wires = 0, ins = 0, outs = 0, numbers = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    ins += flat.lsis[i].inputs.size() + 1;
+    for (const FlatInput& input : flat.lsis[i].inputs) wires += std::max<std::size_t>(1, input.sources.size());
+    outs += m.units[i].outputs.size();
+    numbers += plan.setups[i].numbers().size();
+  }
+  m.in.reserve(wires);
+  m.in_count.reserve(wires);
+  m.in_first.reserve(ins);
+  m.out.reserve(outs);
+  m.out_count.reserve(outs);
+  m.parameters.reserve(numbers);
+  m.calls.resize(n);
+  for (const int index : m.order) {
+    const auto i = static_cast<std::size_t>(index);
+    const FlatLsi& lsi = flat.lsis[i];
+    Unit& u = m.units[i];
+    Call& call = m.calls[i];
+    call.in = m.in.data() + m.in.size();
+    call.in_first = m.in_first.data() + m.in_first.size();
+    call.in_count = m.in_count.data() + m.in_count.size();
+    call.out = m.out.data() + m.out.size();
+    call.out_count = m.out_count.data() + m.out_count.size();
+    std::uint32_t first = 0;
+    for (std::size_t pin = 0; pin < lsi.inputs.size(); ++pin) {
+      const InputPin& declared = lsi.lsi_class->inputs[pin];
+      m.in_first.push_back(first);
+      for (const Source& s : lsi.inputs[pin].sources) {
+        const Unit& from = m.units[static_cast<std::size_t>(s.lsi)];
+        m.in.push_back(m.bytes() + from.output_offsets[static_cast<std::size_t>(s.pin)]);
+        m.in_count.push_back(from.outputs[static_cast<std::size_t>(s.pin)].count);
+        ++first;
+      }
+      if (!lsi.inputs[pin].sources.empty() || declared.multiple) continue;
+      const std::uint32_t count = declared.count ? declared.count : pin_type(declared.type).default_count;
+      m.in.push_back(count ? m.bytes() + constant_offsets[i][pin] : nullptr);
+      m.in_count.push_back(count);
+      ++first;
+    }
+    m.in_first.push_back(first);
+    for (std::size_t pin = 0; pin < u.outputs.size(); ++pin) {
+      const bool delayed = u.lsi_class->outputs[pin].delayed;
+      m.out.push_back(m.bytes() + u.output_offsets[pin] + (delayed ? to_back : 0));
+      m.out_count.push_back(u.outputs[pin].count);
+    }
+    u.parameters = m.parameters.size();
+    call.parameters = m.parameters.data() + m.parameters.size();
+    for (const double x : plan.setups[i].numbers()) m.parameters.push_back(x);
+    call.state = u.state.size() ? m.bytes() + u.state.begin : nullptr;
+    call.tick = &m.tick;
+    call.reason = m.reason;
+    call.reason_size = sizeof m.reason;
+    call.object = nullptr;
+
+    const auto job = [&](StepFunction run, const Range& range) {
+      Job j{run, &call, nullptr, 0, u.every, index};
+      if (options.check_finite && range.size()) {
+        j.check = reinterpret_cast<const double*>(m.bytes() + range.begin);
+        j.check_count = static_cast<std::uint32_t>(range.size() / sizeof(double));
+      }
+      return j;
+    };
+    if (u.lsi_class->step) (u.every == 0 ? m.on_demand : m.steps).push_back(job(u.lsi_class->step, u.direct_numbers));
+    if (u.lsi_class->advance) m.advances.push_back(job(u.lsi_class->advance, u.delayed_numbers));
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    if (m.units[i].lsi_class->make) m.calls[i].object = m.units[i].lsi_class->make(plan.setups[i]);
+  if (problems.empty()) m.initialise();
+  return machine;
+}
+
+Interpreter::Machine::~Machine() {
+  for (std::size_t i = 0; i < units.size(); ++i)
+    if (calls.size() > i && calls[i].object && units[i].lsi_class->destroy) units[i].lsi_class->destroy(calls[i].object);
+}
+
+void Interpreter::Machine::initialise() {
+  tick.index = 0;
+  tick.time = 0;
+  is_stopped = false;
+  std::memset(arena.data(), 0, back.end);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    const Unit& u = units[i];
+    if (u.state.size()) std::memset(bytes() + u.state.begin, 0, u.state.size());
+  }
+  for (std::size_t i = 0; i < units.size() && !is_stopped; ++i) {
+    const Unit& u = units[i];
+    reason[0] = '\0';
+    if (u.lsi_class->init && u.lsi_class->init(&calls[i]) != 0) fail(Job{nullptr, &calls[i], nullptr, 0, 1, static_cast<int>(i)}, false);
+  }
+  std::memcpy(bytes() + front.begin, bytes() + back.begin, front.size());
+}
+
+void Interpreter::Machine::fail(const Job& job, bool not_finite) {
+  const Unit& u = units[static_cast<std::size_t>(job.lsi)];
+  is_stopped = true;
+  stop.lsi = u.id;
+  stop.tick = tick.index;
+  stop.time = tick.time;
+  stop.reason = reason[0] ? reason : "It failed without saying why.";
+  if (!not_finite) return;
+  for (std::size_t pin = 0; pin < u.outputs.size(); ++pin) {
+    if (!pin_type(u.lsi_class->outputs[pin].type).numeric) continue;
+    const auto* x = static_cast<const double*>(job.call->out[pin]);
+    const std::size_t count = output_bytes(u, pin) / sizeof(double);
+    for (std::size_t k = 0; k < count; ++k)
+      if (!(x[k] - x[k] == 0)) {
+        stop.reason = "Number " + std::to_string(k) + " of its output '" + u.lsi_class->outputs[pin].name + "' is not finite.";
+        return;
+      }
+  }
+}
+
+int Interpreter::Machine::find_unit(std::string_view id) const {
+  const auto at = std::lower_bound(units.begin(), units.end(), id, [](const Unit& u, std::string_view name) { return u.id < name; });
+  return at != units.end() && at->id == id ? static_cast<int>(at - units.begin()) : -1;
+}
+
+PinView Interpreter::Machine::view(const Source& source) const {
+  const Unit& u = units[static_cast<std::size_t>(source.lsi)];
+  const auto pin = static_cast<std::size_t>(source.pin);
+  return {u.lsi_class->outputs[pin].type, u.outputs[pin].count, {bytes() + u.output_offsets[pin], output_bytes(u, pin)}};
+}
+
+void Interpreter::Machine::store_objects() {
+  for (std::size_t i = 0; i < units.size(); ++i)
+    if (units[i].lsi_class->store) units[i].lsi_class->store(&calls[i]);
+}
+
+void Interpreter::Machine::recall_objects() {
+  for (std::size_t i = 0; i < units.size(); ++i)
+    if (units[i].lsi_class->recall) units[i].lsi_class->recall(&calls[i]);
+}
+
+}  // namespace ugoki::circuit

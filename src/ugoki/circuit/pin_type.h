@@ -1,0 +1,47 @@
+#pragma once
+// Pin types: what may flow through a wire, and how it lies in memory.
+//
+// A payload is `header_bytes` followed by `count` elements of `element_bytes`, 8-byte aligned. `count` belongs to the pin: it is
+// the type's own (one number in a scalar), or resolved when the circuit is built (joint values of this mechanism).
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace ugoki::circuit {
+
+/// Numbers are part of the binary interface: never renumber.
+enum class PinTypeId : std::uint16_t {
+  scalar = 1,        ///< f64
+  vector = 2,        ///< f64 x, y, z
+  rotation = 3,      ///< f64 unit quaternion w, x, y, z
+  pose = 4,          ///< f64 position x, y, z, unit quaternion w, x, y, z
+  joint_values = 5,  ///< f64 for each coordinate or freedom of one mechanism
+  state = 6,         ///< f64 q and v of every mechanism of the world
+  contacts = 7,      ///< u64 number of records in use, then records of 128 bytes
+  motion = 8,        ///< f64 coordinates of one mechanism at several moments
+  event = 9,         ///< u64 number of records in use, then records of 128 bytes
+};
+
+struct PinType {
+  PinTypeId id = PinTypeId::scalar;
+  std::string_view name;            ///< "joint values"
+  std::string_view color;           ///< "#rrggbb", for editors
+  std::uint32_t header_bytes = 0;
+  std::uint32_t element_bytes = 8;
+  std::uint32_t default_count = 1;  ///< elements of a pin that says nothing; 0: resolved when the circuit is built
+  bool numeric = true;              ///< the payload is f64 only, so that it can be checked, plotted and given as a constant
+  std::string_view doc;
+};
+
+/// All pin types, in the order of their ids.
+[[nodiscard]] std::span<const PinType> pin_types();
+[[nodiscard]] const PinType& pin_type(PinTypeId id);
+[[nodiscard]] const PinType* find_pin_type(std::string_view name);
+
+/// Bytes of a payload of `count` elements, a multiple of 8.
+[[nodiscard]] std::size_t payload_bytes(const PinType& type, std::uint32_t count);
+
+}  // namespace ugoki::circuit

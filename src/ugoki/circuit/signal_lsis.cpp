@@ -1,0 +1,239 @@
+#include "ugoki/circuit/signal_lsis.h"
+
+#include <cstring>
+#include <utility>
+
+#include "ugoki/circuit/setup.h"
+
+namespace ugoki::circuit {
+namespace {
+
+InputPin in(std::string name, PinTypeId type = PinTypeId::scalar, std::string doc = {}) {
+  InputPin pin;
+  pin.name = std::move(name);
+  pin.type = type;
+  pin.doc = std::move(doc);
+  return pin;
+}
+OutputPin out(std::string name, PinTypeId type = PinTypeId::scalar, std::string doc = {}) {
+  OutputPin pin;
+  pin.name = std::move(name);
+  pin.type = type;
+  pin.doc = std::move(doc);
+  return pin;
+}
+Parameter number(std::string name, double initial, std::string doc, double minimum = -1e300, double maximum = 1e300, std::string unit = {}) {
+  Parameter p;
+  p.name = std::move(name);
+  p.initial = initial;
+  p.minimum = minimum;
+  p.maximum = maximum;
+  p.unit = std::move(unit);
+  p.doc = std::move(doc);
+  return p;
+}
+
+LsiClass lsi(std::string name, std::string doc, std::vector<InputPin> inputs, std::vector<OutputPin> outputs, StepFunction step) {
+  LsiClass c;
+  c.name = std::move(name);
+  c.doc = std::move(doc);
+  c.inputs = std::move(inputs);
+  c.outputs = std::move(outputs);
+  c.step = step;
+  return c;
+}
+
+/// out = f(a, b)
+template <double (*f)(double, double)>
+std::int32_t binary(const Call* c) {
+  *output(c, 0) = f(*input(c, 0), *input(c, 1));
+  return 0;
+}
+double add(double a, double b) { return a + b; }
+double subtract(double a, double b) { return a - b; }
+double multiply(double a, double b) { return a * b; }
+double is_above(double a, double b) { return a > b ? 1.0 : 0.0; }
+
+std::int32_t divide(const Call* c) {
+  const double b = *input(c, 1);
+  if (b == 0) return stop(c, "Its input 'b' is zero, so 'a' cannot be divided by it.");
+  *output(c, 0) = *input(c, 0) / b;
+  return 0;
+}
+
+void add_scalar_parts(Library& library) {
+  LsiClass constant = lsi("constant", "A number that stays.", {}, {out("out")}, [](const Call* c) -> std::int32_t {
+    *output(c, 0) = c->parameters[0];
+    return 0;
+  });
+  constant.parameters = {number("value", 0, "The number.")};
+  library.add(std::move(constant));
+
+  library.add(lsi("clock", "The time of this tick [s].", {}, {out("time")}, [](const Call* c) -> std::int32_t {
+    *output(c, 0) = c->tick->time;
+    return 0;
+  }));
+  library.add(lsi("add", "a + b.", {in("a"), in("b")}, {out("out")}, binary<add>));
+  library.add(lsi("subtract", "a - b.", {in("a"), in("b")}, {out("out")}, binary<subtract>));
+  library.add(lsi("multiply", "a times b.", {in("a"), in("b")}, {out("out")}, binary<multiply>));
+  library.add(lsi("divide", "a / b; stops where b is zero.", {in("a"), in("b")}, {out("out")}, divide));
+  library.add(lsi("compare", "1 where a is greater than b, otherwise 0.", {in("a"), in("b")}, {out("out")}, binary<is_above>));
+
+  LsiClass gain = lsi("gain", "A factor.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
+    *output(c, 0) = c->parameters[0] * *input(c, 0);
+    return 0;
+  });
+  gain.parameters = {number("gain", 1, "The factor.")};
+  library.add(std::move(gain));
+
+  LsiClass sum = lsi("sum", "The sum of all that is wired to it.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
+    double total = 0;
+    for (std::uint32_t i = 0; i < c->in_first[1]; ++i) total += *input(c, i);
+    *output(c, 0) = total;
+    return 0;
+  });
+  sum.inputs[0].multiple = true;
+  sum.inputs[0].required = false;
+  library.add(std::move(sum));
+
+  LsiClass clamp = lsi("clamp", "Keeps a number between two others.", {in("in")}, {out("out")}, [](const Call* c) -> std::int32_t {
+    const double x = *input(c, 0);
+    *output(c, 0) = x < c->parameters[0] ? c->parameters[0] : x > c->parameters[1] ? c->parameters[1] : x;
+    return 0;
+  });
+  clamp.parameters = {number("minimum", 0, "The least value."), number("maximum", 1, "The greatest value.")};
+  library.add(std::move(clamp));
+
+  library.add(lsi("switch", "`on` where the condition is above zero, otherwise `off`.", {in("condition"), in("on"), in("off")}, {out("out")},
+                  [](const Call* c) -> std::int32_t {
+                    *output(c, 0) = *input(c, 0) > 0 ? *input(c, 1) : *input(c, 2);
+                    return 0;
+                  }));
+}
+
+/// Scalar state y, held in the state bytes so that it survives save and restore.
+void add_scalar_dynamics(Library& library) {
+  LsiClass integrator = lsi("integrator", "Sums its input over time: out' = in.", {in("in")}, {out("out")}, nullptr);
+  integrator.parameters = {number("initial", 0, "Value at the start.")};
+  integrator.inputs[0].direct = false;
+  integrator.outputs[0].delayed = true;
+  integrator.configure = [](Setup& s) { s.set_state(sizeof(double)); };
+  integrator.init = [](const Call* c) -> std::int32_t {
+    *static_cast<double*>(c->state) = *output(c, 0) = c->parameters[0];
+    return 0;
+  };
+  integrator.advance = [](const Call* c) -> std::int32_t {
+    auto& y = *static_cast<double*>(c->state);
+    y += *input(c, 0) * c->tick->dt;
+    *output(c, 0) = y;
+    return 0;
+  };
+  library.add(std::move(integrator));
+
+  LsiClass low_pass = lsi("low-pass", "First-order filter: follows its input with a time constant (backward Euler).", {in("in")}, {out("out")}, nullptr);
+  low_pass.parameters = {number("time", 0.1, "Time constant.", 0, 1e6, "s"), number("initial", 0, "Value at the start.")};
+  low_pass.configure = [](Setup& s) { s.set_state(sizeof(double)); };
+  low_pass.init = [](const Call* c) -> std::int32_t {
+    *static_cast<double*>(c->state) = c->parameters[1];
+    return 0;
+  };
+  low_pass.step = [](const Call* c) -> std::int32_t {
+    const double y = *static_cast<const double*>(c->state);
+    *output(c, 0) = y + (*input(c, 0) - y) * (c->tick->dt / (c->parameters[0] + c->tick->dt));
+    return 0;
+  };
+  low_pass.advance = [](const Call* c) -> std::int32_t {
+    *static_cast<double*>(c->state) = *output(c, 0);
+    return 0;
+  };
+  library.add(std::move(low_pass));
+}
+
+void add_vector_parts(Library& library) {
+  constexpr PinTypeId vector = PinTypeId::vector;
+  library.add(lsi("make vector", "A vector from its components.", {in("x"), in("y"), in("z")}, {out("out", vector)}, [](const Call* c) -> std::int32_t {
+    for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = *input(c, i);
+    return 0;
+  }));
+  library.add(lsi("split vector", "The components of a vector.", {in("in", vector)}, {out("x"), out("y"), out("z")}, [](const Call* c) -> std::int32_t {
+    for (std::size_t i = 0; i < 3; ++i) *output(c, i) = input(c, 0)[i];
+    return 0;
+  }));
+  library.add(lsi("add vectors", "a + b.", {in("a", vector), in("b", vector)}, {out("out", vector)}, [](const Call* c) -> std::int32_t {
+    for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = input(c, 0)[i] + input(c, 1)[i];
+    return 0;
+  }));
+  library.add(lsi("scale vector", "A vector times a number.", {in("in", vector), in("factor")}, {out("out", vector)}, [](const Call* c) -> std::int32_t {
+    for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = input(c, 0)[i] * *input(c, 1);
+    return 0;
+  }));
+}
+
+/// "delay" for scalars, "delay vector", ...: the value of the tick before. Sized types take their size from the input, or from
+/// the parameter `count` where the wire comes round in a circle.
+void add_delays(Library& library) {
+  for (const PinType& type : pin_types()) {
+    const std::string name = type.id == PinTypeId::scalar ? "delay" : "delay " + std::string(type.name);
+    LsiClass c = lsi(name, "The value of the tick before; breaks circles of wires.", {in("in", type.id)}, {out("out", type.id)}, nullptr);
+    c.inputs[0].direct = false;
+    c.outputs[0].delayed = true;
+    if (type.default_count == 0) {
+      Parameter count = number("count", 0, "Elements; 0: as many as the input has.", 0, 1e6);
+      count.kind = ParameterKind::integer;
+      count.live = false;
+      c.parameters.push_back(std::move(count));
+      c.configure = [](Setup& s) {
+        const double given = s.number("count");
+        const Shape from = s.in(0);
+        if (given > 0 && from.count > 0 && static_cast<double>(from.count) != given)
+          s.fail(ErrorCode::structure, "Its input has " + std::to_string(from.count) + " elements, its parameter 'count' says otherwise.", "Set 'count' to 0 or to that number.");
+        s.set_out(0, given > 0 ? static_cast<std::uint32_t>(given) : from.count, from.subject);
+      };
+    }
+    if (type.id == PinTypeId::scalar) {
+      c.parameters.push_back(number("initial", 0, "Value at the start."));
+      c.init = [](const Call* call) -> std::int32_t {
+        *output(call, 0) = call->parameters[0];
+        return 0;
+      };
+      c.advance = [](const Call* call) -> std::int32_t {
+        *output(call, 0) = *input(call, 0);
+        return 0;
+      };
+    } else {
+      if (type.id == PinTypeId::rotation)
+        c.init = [](const Call* call) -> std::int32_t {
+          output(call, 0)[0] = 1;
+          return 0;
+        };
+      if (type.id == PinTypeId::pose)
+        c.init = [](const Call* call) -> std::int32_t {
+          output(call, 0)[3] = 1;
+          return 0;
+        };
+      // The size of an element is not part of a call; each pin type has its own function.
+      c.advance = [&]() -> StepFunction {
+        switch (type.id) {
+          case PinTypeId::vector: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 24); return 0; };
+          case PinTypeId::rotation: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 32); return 0; };
+          case PinTypeId::pose: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 56); return 0; };
+          case PinTypeId::contacts:
+          case PinTypeId::event: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 8 + 128 * std::size_t{call->out_count[0]}); return 0; };
+          default: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 8 * std::size_t{call->out_count[0]}); return 0; };
+        }
+      }();
+    }
+    library.add(std::move(c));
+  }
+}
+
+}  // namespace
+
+void add_signal_lsis(Library& library) {
+  add_scalar_parts(library);
+  add_scalar_dynamics(library);
+  add_vector_parts(library);
+  add_delays(library);
+}
+
+}  // namespace ugoki::circuit

@@ -1,0 +1,146 @@
+// What a circuit is refused for, and in which order it runs.
+
+#include <cstring>
+
+#include "circuit_test.h"
+
+namespace ugoki::circuit {
+namespace {
+
+std::string problems_of(const std::string& text) {
+  const auto built = build(text);
+  return built ? std::string() : built.error().text();
+}
+
+void expect_refused(const std::string& text, std::initializer_list<const char*> words) {
+  const std::string problems = problems_of(text);
+  EXPECT_FALSE(problems.empty());
+  for (const char* w : words) EXPECT_NE(problems.find(w), std::string::npos) << "'" << w << "' is not in: " << problems;
+}
+
+TEST(Build, ReportsAllProblemsWithNames) {
+  expect_refused(R"({"version": 1, "name": "bad",
+    "lsis": [{"id": "a", "type": "add"}, {"id": "g", "type": "gain", "parameters": {"gian": 2}}, {"id": "v", "type": "make vector", "values": {"x": 1, "y": 2, "z": 3}},
+             {"id": "gone", "type": "magic"}, {"id": "a", "type": "clock"}],
+    "wires": [{"from": "v.out", "to": "a.a"}, {"from": "g.out", "to": "a.b"}, {"from": "g.out", "to": "a.b"}, {"from": "a.sum", "to": "g.in"},
+              {"from": "nobody.out", "to": "g.in"}, {"from": "gone.out", "to": "g.in"}]})",
+                 {"'v.out' (vector) does not fit 'a.a' (scalar)", "Two wires end at 'a.b': from 'g.out' and from 'g.out'", "'a' has no output 'sum'",
+                  "There is no LSI 'nobody'", "'magic' (used as 'gone') is missing", "Two LSIs have the id 'a'", "Nothing is wired to 'g.in'", "'g' has no parameter 'gian'", "circuit/wires/3/from"});
+}
+
+TEST(Build, ChecksParametersAndValues) {
+  const auto with = [](const char* lsi) { return std::string(R"({"version": 1, "name": "p", "lsis": [)") + lsi + "]}"; };
+  expect_refused(with(R"({"id": "g", "type": "gain", "parameters": {"gain": "much"}, "values": {"in": 1}})"), {"'g.gain' cannot have this value", "Give a number"});
+  expect_refused(with(R"({"id": "f", "type": "low-pass", "parameters": {"time": -1}, "values": {"in": 1}})"), {"'f.time'", "from 0"});
+  expect_refused(with(R"({"id": "g", "type": "gain", "values": {"in": [1, 2]}})"), {"'g.in' needs 1 finite numbers"});
+  expect_refused(with(R"({"id": "g", "type": "gain", "values": {"out": 1}})"), {"'g' has no input 'out'"});
+  expect_refused(with(R"({"id": "d", "type": "delay joint values"})"), {"Nothing is wired to 'd.in'"});
+}
+
+TEST(Build, RefusesAnAlgebraicLoopAndNamesIt) {
+  const char* loop = R"({"version": 1, "name": "loop",
+    "lsis": [{"id": "s", "type": "add", "values": {"b": 1}}, {"id": "g", "type": "gain"}, {"id": "h", "type": "gain"}, {"id": "after", "type": "gain"}],
+    "wires": [{"from": "s.out", "to": "g.in"}, {"from": "g.out", "to": "h.in"}, {"from": "h.out", "to": "s.a"}, {"from": "h.out", "to": "after.in"}]})";
+  expect_refused(loop, {"g.out -> h.in, h.out -> s.a, s.out -> g.in", "Insert a delay behind 's.out'"});
+}
+
+TEST(Build, AcceptsALoopThroughADelay) {
+  auto i = build(R"({"version": 1, "name": "count",
+    "lsis": [{"id": "d", "type": "delay", "parameters": {"initial": 5}}, {"id": "s", "type": "add", "values": {"b": 1}}],
+    "wires": [{"from": "s.out", "to": "d.in"}, {"from": "d.out", "to": "s.a"}]})");
+  ASSERT_TRUE(i) << i.error().text();
+  EXPECT_EQ(value(*i, "d.out"), 5);
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(i->tick());
+  EXPECT_EQ(value(*i, "d.out"), 8);
+  EXPECT_EQ(value(*i, "s.out"), 8);
+}
+
+TEST(Build, ASizeThatNothingDecidesIsRefused) {
+  expect_refused(R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values"}, {"id": "b", "type": "delay joint values"}],
+    "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})",
+                 {"Nothing decides the size of 'a.out'"});
+  auto sized = build(R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values", "parameters": {"count": 7}}, {"id": "b", "type": "delay joint values"}],
+    "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})");
+  ASSERT_TRUE(sized) << sized.error().text();
+  EXPECT_EQ(sized->find_output("b.out")->count, 7u);
+}
+
+TEST(Build, OrderDoesNotDependOnTheOrderInTheFile) {
+  const char* one = R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "c", "type": "clock"}, {"id": "z", "type": "sum"}],
+    "wires": [{"from": "c.time", "to": "a.in"}, {"from": "b.time", "to": "z.in"}, {"from": "a.out", "to": "z.in"}]})";
+  const char* two = R"({"version": 1, "name": "o", "lsis": [{"id": "z", "type": "sum"}, {"id": "c", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "b", "type": "clock"}],
+    "wires": [{"from": "a.out", "to": "z.in"}, {"from": "b.time", "to": "z.in"}, {"from": "c.time", "to": "a.in"}]})";
+  auto x = build(one), y = build(two);
+  ASSERT_TRUE(x && y);
+  EXPECT_EQ(x->schedule(), (std::vector<std::string>{"b", "c", "a", "z"}));
+  EXPECT_EQ(x->schedule(), y->schedule());
+}
+
+const char* const nested = R"({"version": 1, "name": "outer",
+  "inputs": [{"name": "x", "type": "scalar", "to": "twice.in"}],
+  "outputs": [{"name": "y", "type": "scalar", "from": "twice.out"}],
+  "lsis": [{"id": "twice", "type": "two gains", "parameters": {"factor": 3}}],
+  "circuits": [
+    {"name": "two gains",
+     "inputs": [{"name": "in", "type": "scalar", "to": "first.in"}], "outputs": [{"name": "out", "type": "scalar", "from": "second.out"}],
+     "parameters": [{"name": "factor", "to": ["first.factor", "second.gain"]}],
+     "lsis": [{"id": "first", "type": "wrapped gain"}, {"id": "second", "type": "gain"}],
+     "wires": [{"from": "first.out", "to": "second.in"}]},
+    {"name": "wrapped gain",
+     "inputs": [{"name": "in", "type": "scalar", "to": "g.in"}], "outputs": [{"name": "out", "type": "scalar", "from": "g.out"}],
+     "parameters": [{"name": "factor", "to": "g.gain"}],
+     "lsis": [{"id": "g", "type": "gain"}]}
+  ]})";
+
+TEST(Build, OpensNestedCircuits) {
+  auto i = build(nested);
+  ASSERT_TRUE(i) << i.error().text();
+  const auto x = i->find_circuit_input("x");
+  ASSERT_EQ(x.size(), 8u);
+  const double seven = 7;
+  std::memcpy(x.data(), &seven, 8);
+  ASSERT_TRUE(i->tick());
+  EXPECT_EQ(i->find_circuit_output("y")->numbers()[0], 63);
+  EXPECT_EQ(value(*i, "twice/first/g.out"), 21);
+  EXPECT_EQ(value(*i, "twice/second.out"), 63);
+}
+
+TEST(Build, LoopsThroughNestedCircuitsAreOnlyRealOnes) {
+  // The circuit has an independent upper and lower path; wiring one to the other makes no loop.
+  auto i = build(R"({"version": 1, "name": "o", "outputs": [{"name": "y", "type": "scalar", "from": "p.y2"}],
+    "lsis": [{"id": "p", "type": "pair"}, {"id": "c", "type": "constant", "parameters": {"value": 4}}],
+    "wires": [{"from": "c.out", "to": "p.x1"}, {"from": "p.y1", "to": "p.x2"}],
+    "circuits": [{"name": "pair", "inputs": [{"name": "x1", "type": "scalar", "to": "a.in"}, {"name": "x2", "type": "scalar", "to": "b.in"}],
+      "outputs": [{"name": "y1", "type": "scalar", "from": "a.out"}, {"name": "y2", "type": "scalar", "from": "b.out"}],
+      "lsis": [{"id": "a", "type": "gain", "parameters": {"gain": 2}}, {"id": "b", "type": "gain", "parameters": {"gain": 5}}]}]})");
+  ASSERT_TRUE(i) << i.error().text();
+  ASSERT_TRUE(i->tick());
+  EXPECT_EQ(i->find_circuit_output("y")->numbers()[0], 40);
+}
+
+TEST(Build, RefusesACircuitThatContainsItself) {
+  expect_refused(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "x"}],
+    "circuits": [{"name": "x", "lsis": [{"id": "b", "type": "y"}]}, {"name": "y", "lsis": [{"id": "c", "type": "x"}]}]})",
+                 {"The circuit 'x' contains itself", "Take 'a/b/c' out"});
+}
+
+TEST(Build, RefusesAnExplosionOfCircuits) {
+  std::string text = R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "c0"}], "circuits": [)";
+  for (int i = 0; i < 25; ++i) {
+    text += R"({"name": "c)" + std::to_string(i) + R"(", "lsis": [)";
+    for (const char* id : {"a", "b", "c"}) text += R"({"id": ")" + std::string(id) + R"(", "type": ")" + (i < 24 ? "c" + std::to_string(i + 1) : "clock") + "\"}" + (*id != 'c' ? "," : "");
+    text += i < 24 ? "]}," : "]}";
+  }
+  expect_refused(text + "]}", {"opens into more than"});
+}
+
+TEST(Build, OnDemandLsisMayNotFeedTheOthers) {
+  expect_refused(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock", "every": 0}, {"id": "g", "type": "gain"}],
+    "wires": [{"from": "c.time", "to": "g.in"}]})",
+                 {"made only on demand"});
+  expect_refused(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "d", "type": "delay", "every": 0}], "wires": [{"from": "c.time", "to": "d.in"}]})",
+                 {"cannot run on demand"});
+}
+
+}  // namespace
+}  // namespace ugoki::circuit

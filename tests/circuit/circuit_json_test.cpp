@@ -1,0 +1,107 @@
+#include "circuit_test.h"
+
+namespace ugoki::circuit {
+namespace {
+
+const char* const everything = R"({
+  "version": 1,
+  "name": "everything",
+  "doc": "Every field of the form, with \"quotes\" and umlauts: \u00e4.",
+  "inputs": [
+    {"name": "x", "type": "scalar", "unit": "m", "doc": "In.", "to": ["a.a", "a.b"]}
+  ],
+  "outputs": [
+    {"name": "y", "type": "scalar", "from": "half.out"}
+  ],
+  "parameters": [
+    {"name": "factor", "doc": "Of the gain.", "to": "half.gain"}
+  ],
+  "lsis": [
+    {"id": "a", "type": "add", "label": "A", "note": "adds", "at": [10.5, -20]},
+    {"id": "half", "type": "gain", "every": 4, "parameters": {"gain": 0.1}},
+    {"id": "v", "type": "add vectors", "values": {"a": [1, 2, 3], "b": [0, 0, 0.30000000000000004]}},
+    {"id": "lost", "type": "somebody else's LSI", "parameters": {"word": "x", "on": true}}
+  ],
+  "wires": [
+    {"from": "a.out", "to": "half.in"}
+  ],
+  "circuits": [
+    {
+      "name": "inner",
+      "lsis": [
+        {"id": "c", "type": "clock"}
+      ]
+    }
+  ]
+})";
+
+TEST(CircuitJson, KeepsEverythingThroughTextAndBack) {
+  const Circuit first = parse(everything);
+  const std::string text = write_circuit(first);
+  const Circuit second = parse(text);
+  EXPECT_TRUE(first == second);
+  EXPECT_EQ(write_circuit(second), text);
+  EXPECT_EQ(first.lsis[3].type, "somebody else's LSI");  // unknown LSIs are kept
+  EXPECT_EQ(first.lsis[0].at.x, 10.5);
+  EXPECT_EQ(std::get<std::vector<double>>(first.lsis[2].values[1].second)[2], 0.30000000000000004);
+  EXPECT_NE(text.find("    {\"id\": \"half\", \"type\": \"gain\", \"every\": 4, \"parameters\": {\"gain\": 0.1}},\n"), std::string::npos) << text;
+}
+
+struct Bad {
+  const char* text;
+  const char* place;
+};
+
+class BadCircuitText : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadCircuitText, IsRefusedWithPlaceAndRemedy) {
+  const auto circuit = read_circuit(GetParam().text);
+  ASSERT_FALSE(circuit);
+  bool found = false;
+  for (const Problem& p : circuit.error().problems) {
+    found = found || p.place == GetParam().place;
+    EXPECT_FALSE(p.remedy.empty());
+    EXPECT_FALSE(p.message.empty());
+  }
+  EXPECT_TRUE(found) << circuit.error().text();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Forms, BadCircuitText,
+    testing::Values(Bad{"", "circuit:1"}, Bad{"{\n\"version\": 1,\n\"name\": }", "circuit:3"}, Bad{"{\"version\": 1", "circuit:1"}, Bad{"[]", "circuit"},
+                    Bad{"\xff\xfe", "circuit:1"}, Bad{"{}", "circuit/version"}, Bad{R"({"version": 2})", "circuit/version"}, Bad{R"({"version": "1"})", "circuit/version"},
+                    Bad{R"({"version": 1, "nam": "x"})", "circuit/nam"}, Bad{R"({"version": 1, "name": 3})", "circuit/name"},
+                    Bad{R"({"version": 1, "lsis": {}})", "circuit/lsis"}, Bad{R"({"version": 1, "lsis": [3]})", "circuit/lsis/0"},
+                    Bad{R"({"version": 1, "lsis": [{"type": "add"}]})", "circuit/lsis/0"}, Bad{R"({"version": 1, "lsis": [{"id": "a b", "type": "add"}]})", "circuit/lsis/0/id"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a.b", "type": "add"}]})", "circuit/lsis/0/id"}, Bad{R"({"version": 1, "lsis": [{"id": "a", "type": null}]})", "circuit/lsis/0/type"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "at": [1]}]})", "circuit/lsis/0/at"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "every": -1}]})", "circuit/lsis/0/every"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "every": 1.5}]})", "circuit/lsis/0/every"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "parameters": [1]}]})", "circuit/lsis/0/parameters"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "parameters": {"p": {}}}]})", "circuit/lsis/0/parameters/p"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "values": {"p": [1, "2"]}}]})", "circuit/lsis/0/values/p"},
+                    Bad{R"({"version": 1, "wires": [{"from": "a.x"}]})", "circuit/wires/0"}, Bad{R"({"version": 1, "wires": [{"from": "a", "to": "b.y"}]})", "circuit/wires/0/from"},
+                    Bad{R"({"version": 1, "wires": [{"from": "a.", "to": "b.y"}]})", "circuit/wires/0/from"}, Bad{R"({"version": 1, "wires": [{"from": 1, "to": ".y"}]})", "circuit/wires/0/to"},
+                    Bad{R"({"version": 1, "inputs": [{"name": "x", "type": "colour", "to": "a.b"}]})", "circuit/inputs/0/type"},
+                    Bad{R"({"version": 1, "inputs": [{"name": "x", "type": "scalar"}]})", "circuit/inputs/0"},
+                    Bad{R"({"version": 1, "outputs": [{"name": "x", "type": "scalar", "from": ["a.b", "a.c"]}]})", "circuit/outputs/0/from"},
+                    Bad{R"({"version": 1, "outputs": [{"name": "x.y", "type": "scalar", "from": "a.b"}]})", "circuit/outputs/0/name"},
+                    Bad{R"({"version": 1, "circuits": [{"lsis": []}]})", "circuit/circuits/0"}));
+
+TEST(CircuitJson, RefusesDeepNesting) {
+  std::string text = R"({"version": 1)";
+  for (int i = 0; i < 200; ++i) text += R"(, "circuits": [{"name": "c")";
+  for (int i = 0; i < 200; ++i) text += "}]";
+  const auto circuit = read_circuit(text + "}");
+  ASSERT_FALSE(circuit);
+  EXPECT_NE(circuit.error().text().find("nested"), std::string::npos);
+  EXPECT_FALSE(read_circuit(std::string(200000, '[')));
+}
+
+TEST(CircuitJson, EveryTruncationIsRefused) {
+  const std::string text = everything;
+  for (std::size_t n = 0; n < text.size(); ++n) EXPECT_FALSE(read_circuit(text.substr(0, n))) << n;
+}
+
+}  // namespace
+}  // namespace ugoki::circuit

@@ -1,0 +1,301 @@
+// What running a circuit promises.
+
+#include <bit>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <new>
+
+#include "circuit_test.h"
+#include "ugoki/circuit/setup.h"
+
+namespace {
+std::size_t allocations = 0;
+}
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size ? size : 1)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace ugoki::circuit {
+namespace {
+
+// A mass on a spring, as a circuit: x'' = -k x.
+const char* const oscillator = R"({"version": 1, "name": "oscillator",
+  "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "v", "type": "integrator"}, {"id": "k", "type": "gain", "parameters": {"gain": -40}},
+           {"id": "smooth", "type": "low-pass"}, {"id": "slow", "type": "gain", "every": 10}],
+  "wires": [{"from": "v.out", "to": "x.in"}, {"from": "k.out", "to": "v.in"}, {"from": "x.out", "to": "k.in"}, {"from": "x.out", "to": "smooth.in"}, {"from": "smooth.out", "to": "slow.in"}]})";
+
+TEST(Run, StateChangesTogetherAtTheTick) {
+  // two delays that swap their values: right only if both see the old ones
+  auto i = build(R"({"version": 1, "name": "swap", "lsis": [{"id": "a", "type": "delay", "parameters": {"initial": 1}}, {"id": "b", "type": "delay", "parameters": {"initial": 2}}],
+    "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})");
+  ASSERT_TRUE(i);
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(value(*i, "a.out"), k % 2 ? 2 : 1);
+    EXPECT_EQ(value(*i, "b.out"), k % 2 ? 1 : 2);
+    ASSERT_TRUE(i->tick());
+  }
+}
+
+TEST(Run, MatchesTheSameCalculationByHand) {
+  auto i = build(oscillator);
+  ASSERT_TRUE(i) << i.error().text();
+  double x = 1, v = 0;
+  for (int k = 0; k < 1000; ++k) {
+    ASSERT_TRUE(i->tick());
+    const double f = -40 * x;
+    const double old_v = v;
+    v += f * 0.01;
+    x += old_v * 0.01;
+    ASSERT_EQ(value(*i, "x.out"), x);
+    ASSERT_EQ(value(*i, "v.out"), v);
+  }
+}
+
+TEST(Run, RunsAtItsOwnRate) {
+  auto i = build(oscillator);
+  ASSERT_TRUE(i);
+  double held = 0;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(i->tick());
+    if (k % 10 == 0) held = value(*i, "smooth.out");
+    EXPECT_EQ(value(*i, "slow.out"), held);
+  }
+}
+
+TEST(Run, OnDemandRunsOnlyWhenAsked) {
+  auto i = build(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "show", "type": "gain", "every": 0, "parameters": {"gain": 2}}], "wires": [{"from": "c.time", "to": "show.in"}]})");
+  ASSERT_TRUE(i);
+  for (int k = 0; k < 6; ++k) ASSERT_TRUE(i->tick());
+  EXPECT_EQ(value(*i, "show.out"), 0);
+  ASSERT_TRUE(i->refresh());
+  EXPECT_EQ(value(*i, "show.out"), 0.1);
+}
+
+TEST(Run, SameBitsAfterSaveAndRestore) {
+  auto a = build(oscillator), b = build(oscillator);
+  ASSERT_TRUE(a && b);
+  for (int k = 0; k < 123; ++k) ASSERT_TRUE(a->tick());
+  ASSERT_TRUE(a->set_parameter("k.gain", -41));
+  std::vector<std::byte> saved;
+  a->save(saved);
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(a->tick());
+  ASSERT_TRUE(b->restore(saved));
+  EXPECT_EQ(b->ticks(), 123u);
+  for (int k = 0; k < 100; ++k) ASSERT_TRUE(b->tick());
+  for (const char* pin : {"x.out", "v.out", "smooth.out", "slow.out"}) EXPECT_EQ(std::bit_cast<std::uint64_t>(value(*a, pin)), std::bit_cast<std::uint64_t>(value(*b, pin))) << pin;
+  std::vector<std::byte> one, two;
+  a->save(one);
+  b->save(two);
+  EXPECT_EQ(one, two);
+}
+
+TEST(Run, RestoreRefusesForeignBytesAndStaysAsItWas) {
+  auto a = build(oscillator);
+  auto other = build(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}]})");
+  ASSERT_TRUE(a && other);
+  ASSERT_TRUE(a->tick());
+  std::vector<std::byte> good, foreign;
+  a->save(good);
+  other->save(foreign);
+  EXPECT_FALSE(a->restore(foreign));
+  EXPECT_FALSE(a->restore({}));
+  EXPECT_FALSE(a->restore(std::span<const std::byte>(good).first(good.size() - 1)));
+  std::vector<std::byte> after;
+  a->save(after);
+  EXPECT_EQ(after, good);
+}
+
+TEST(Run, ResetGoesBackToTheFirstState) {
+  auto a = build(oscillator);
+  ASSERT_TRUE(a);
+  std::vector<std::byte> first, again;
+  a->save(first);
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(a->tick());
+  a->reset();
+  a->save(again);
+  EXPECT_EQ(first, again);
+}
+
+TEST(Run, AdoptsTheStateOfWhatStayedTheSame) {
+  auto a = build(oscillator);
+  ASSERT_TRUE(a);
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(a->tick());
+  std::string changed = oscillator;
+  changed.replace(changed.find("\"low-pass\""), 10, "\"gain\"");
+  auto b = build(changed);
+  ASSERT_TRUE(b) << b.error().text();
+  EXPECT_EQ(b->adopt(*a), 4u);
+  EXPECT_EQ(b->time(), a->time());
+  EXPECT_EQ(value(*b, "x.out"), value(*a, "x.out"));
+  ASSERT_TRUE(a->tick() && b->tick());
+  EXPECT_EQ(value(*b, "v.out"), value(*a, "v.out"));
+}
+
+TEST(Run, AFailureNamesTheLsiAndKeepsTheState) {
+  auto i = build(R"({"version": 1, "name": "o",
+    "lsis": [{"id": "n", "type": "delay", "parameters": {"initial": 3}}, {"id": "less", "type": "add", "values": {"b": -1}}, {"id": "inverse", "type": "divide", "values": {"a": 1}}],
+    "wires": [{"from": "n.out", "to": "less.a"}, {"from": "less.out", "to": "n.in"}, {"from": "n.out", "to": "inverse.b"}]})");
+  ASSERT_TRUE(i);
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(i->tick());
+  EXPECT_FALSE(i->tick());
+  ASSERT_TRUE(i->stopped());
+  EXPECT_EQ(i->stopped()->lsi, "inverse");
+  EXPECT_EQ(i->stopped()->tick, 3u);
+  EXPECT_NE(i->stopped()->text().find("zero"), std::string::npos);
+  EXPECT_FALSE(i->tick());
+  EXPECT_EQ(i->ticks(), 3u);
+  EXPECT_EQ(value(*i, "n.out"), 0);
+  i->reset();
+  EXPECT_TRUE(i->tick());
+}
+
+TEST(Run, ANumberThatIsNotFiniteStopsIt) {
+  auto i = build(R"({"version": 1, "name": "o", "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "k", "type": "gain", "parameters": {"gain": 1e200}}],
+    "wires": [{"from": "x.out", "to": "k.in"}, {"from": "k.out", "to": "x.in"}]})");
+  ASSERT_TRUE(i);
+  int k = 0;
+  while (i->tick() && k < 10) ++k;
+  ASSERT_TRUE(i->stopped());
+  EXPECT_EQ(i->stopped()->lsi, "k");
+  EXPECT_NE(i->stopped()->reason.find("'out' is not finite"), std::string::npos);
+  EXPECT_LT(value(*i, "x.out"), std::numeric_limits<double>::infinity());
+}
+
+TEST(Run, ParametersChangeWhileItRuns) {
+  auto i = build(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "constant", "parameters": {"value": 2}}, {"id": "f", "type": "low-pass"}], "wires": [{"from": "c.out", "to": "f.in"}]})");
+  ASSERT_TRUE(i && i->tick());
+  ASSERT_TRUE(i->set_parameter("c.value", 9));
+  ASSERT_TRUE(i->tick());
+  EXPECT_EQ(value(*i, "c.out"), 9);
+  EXPECT_FALSE(i->set_parameter("c.valve", 9));
+  EXPECT_FALSE(i->set_parameter("d.value", 9));
+  EXPECT_FALSE(i->set_parameter("f.time", -9));
+  EXPECT_FALSE(i->set_parameter("c.value", std::numeric_limits<double>::quiet_NaN()));
+}
+
+TEST(Run, TicksWithoutAllocation) {
+  auto i = build(oscillator);
+  ASSERT_TRUE(i);
+  ASSERT_TRUE(i->tick());
+  std::vector<std::byte> saved;
+  i->save(saved);
+  const std::size_t before = allocations;
+  for (int k = 0; k < 1000; ++k) i->tick();
+  i->refresh();
+  i->save(saved);
+  EXPECT_EQ(allocations, before);
+}
+
+TEST(Run, CountsTheTimeOfEachLsi) {
+  auto i = build(oscillator);
+  ASSERT_TRUE(i);
+  i->set_timing([]() -> std::uint64_t {
+    static std::uint64_t now = 0;
+    return now += 3;
+  });
+  for (int k = 0; k < 20; ++k) ASSERT_TRUE(i->tick());
+  const auto timings = i->timings();
+  ASSERT_EQ(timings.size(), 5u);
+  for (const Timing& t : timings) {
+    EXPECT_EQ(t.runs, t.lsi == "slow" ? 2u : t.lsi == "smooth" ? 40u : 20u) << t.lsi;  // the filter steps and advances
+    EXPECT_EQ(t.total, 3 * t.runs);
+  }
+}
+
+// An LSI with an object that remembers, a resource, subjects and a multiple sized input.
+struct Tank {
+  static constexpr const char* resource_kind = "tank";
+  std::uint32_t size;
+};
+struct Tanks : Resources {
+  Tank small{3};
+  [[nodiscard]] const void* find(std::string_view kind, std::string_view name) const override { return kind == "tank" && name == "small" ? &small : nullptr; }
+};
+int objects = 0;
+
+Library tank_library() {
+  Library library;
+  add_signal_lsis(library);
+  LsiClass c;
+  c.name = "tank";
+  InputPin pin;
+  pin.name = "in";
+  pin.type = PinTypeId::joint_values;
+  pin.multiple = true;
+  pin.required = false;
+  pin.direct = false;
+  c.inputs = {pin};
+  OutputPin level;
+  level.name = "level";
+  level.type = PinTypeId::joint_values;
+  level.delayed = true;
+  c.outputs = {level};
+  Parameter name;
+  name.name = "name";
+  name.kind = ParameterKind::text;
+  name.initial = std::string("small");
+  c.parameters = {name};
+  c.configure = [](Setup& s) {
+    if (const Tank* t = s.resource<Tank>(s.text("name"))) {
+      s.set_out(0, t->size, 42);
+      s.set_state(sizeof(double));
+    }
+  };
+  c.make = [](Setup& s) -> void* {
+    ++objects;
+    return new double(static_cast<double>(s.wires(0)));
+  };
+  c.destroy = [](void* p) {
+    --objects;
+    delete static_cast<double*>(p);
+  };
+  c.init = [](const Call* call) -> std::int32_t {
+    *static_cast<double*>(call->object) = 0;
+    return 0;
+  };
+  c.advance = [](const Call* call) -> std::int32_t {
+    auto& level_now = *static_cast<double*>(call->object);
+    level_now += 1;
+    for (std::uint32_t k = 0; k < call->in_first[1]; ++k) level_now += input(call, k)[call->in_count[k] - 1];
+    for (std::uint32_t k = 0; k < call->out_count[0]; ++k) output(call, 0)[k] = level_now * (k + 1);
+    return 0;
+  };
+  c.store = [](const Call* call) { *static_cast<double*>(call->state) = *static_cast<double*>(call->object); };
+  c.recall = [](const Call* call) { *static_cast<double*>(call->object) = *static_cast<double*>(call->state); };
+  library.add(c);
+  return library;
+}
+
+TEST(Run, ObjectsRememberThroughSaveAndRestore) {
+  const Library library = tank_library();
+  const Tanks tanks;
+  const Circuit circuit = parse(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "tank"}, {"id": "b", "type": "tank"}],
+    "wires": [{"from": "a.level", "to": "b.in"}, {"from": "b.level", "to": "b.in"}]})");
+  {
+    auto i = Interpreter::build(circuit, library, &tanks, {});
+    ASSERT_TRUE(i) << i.error().text();
+    EXPECT_EQ(objects, 2);
+    for (int k = 0; k < 4; ++k) ASSERT_TRUE(i->tick());
+    std::vector<std::byte> saved;
+    i->save(saved);
+    for (int k = 0; k < 4; ++k) ASSERT_TRUE(i->tick());
+    const double end = value(*i, "b.level");
+    ASSERT_TRUE(i->restore(saved));
+    for (int k = 0; k < 4; ++k) ASSERT_TRUE(i->tick());
+    EXPECT_EQ(value(*i, "b.level"), end);
+    auto moved = std::move(*i);
+    EXPECT_TRUE(moved.tick());
+  }
+  EXPECT_EQ(objects, 0);
+  const auto refused = Interpreter::build(parse(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "tank", "parameters": {"name": "huge"}}]})"), library, &tanks, {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text().find("There is no tank 'huge'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ugoki::circuit
