@@ -1,0 +1,62 @@
+#include "ugoki/project/file_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+namespace ugoki::project {
+
+Result<FileLock> FileLock::take(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code unresolved;
+  const fs::path real = fs::weakly_canonical(path, unresolved);  // two names of one file are one lock
+  const fs::path file = unresolved ? fs::path(path) : real;
+  const std::string lock_path = (file.parent_path() / (".~" + file.filename().string() + ".lock")).string();
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    const int descriptor = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (descriptor < 0)
+      return fail(ErrorCode::io, path, "The lock beside the file cannot be made: " + std::string(std::strerror(errno)) + ".",
+                  "Check that the folder exists and that you may write to it.");
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+      const int error = errno;
+      char holder[32] = {};
+      const ssize_t size = ::pread(descriptor, holder, sizeof holder - 1, 0);
+      ::close(descriptor);
+      if (error != EWOULDBLOCK)
+        return fail(ErrorCode::io, path, "The file cannot be locked: " + std::string(std::strerror(error)) + ".", "Copy it to a local disk and open the copy.");
+      const std::string by = size > 0 ? " (process " + std::string(holder) + ")" : "";
+      return fail(ErrorCode::conflict, path, "The project is already open in another program" + by + ".", "Close it there first, or work on a copy.");
+    }
+    // The holder before may have removed the lock file between our open and our lock: then this is not the file others see.
+    struct stat ours {}, theirs {};
+    if (::fstat(descriptor, &ours) == 0 && ::stat(lock_path.c_str(), &theirs) == 0 && ours.st_ino == theirs.st_ino && ours.st_dev == theirs.st_dev) {
+      const std::string number = std::to_string(::getpid());
+      if (::ftruncate(descriptor, 0) != 0 || ::pwrite(descriptor, number.data(), number.size(), 0) < 0) {
+        // Only the message to others loses the number; the lock holds.
+      }
+      return FileLock(descriptor, lock_path);
+    }
+    ::close(descriptor);
+  }
+  return fail(ErrorCode::conflict, path, "Another program keeps opening and closing the project.", "Try again.");
+}
+
+FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)), lock_path_(std::move(other.lock_path_)) {}
+FileLock& FileLock::operator=(FileLock&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(lock_path_, other.lock_path_);
+  return *this;
+}
+FileLock::~FileLock() {
+  if (descriptor_ < 0) return;
+  ::unlink(lock_path_.c_str());  // while it is held, so that nobody can hold it and see it vanish
+  ::close(descriptor_);
+}
+
+}  // namespace ugoki::project

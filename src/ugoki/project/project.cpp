@@ -1,0 +1,407 @@
+#include "ugoki/project/project.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "ugoki/base/check.h"
+#include "ugoki/base/number.h"
+#include "ugoki/content/delta.h"
+#include "ugoki/content/json_fields.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/project/file_lock.h"
+#include "ugoki/project/project_file.h"
+
+namespace ugoki::project {
+namespace {
+
+constexpr std::int64_t kept_steps = 10'000;
+
+std::span<const std::byte> bytes_of(std::string_view text) { return {reinterpret_cast<const std::byte*>(text.data()), text.size()}; }
+
+/// A resource that was read but not yet put in.
+struct Loaded {
+  std::string id, kind, name;
+  std::vector<std::byte> data;
+  MechanismPtr mechanism;
+  MotionPtr motion;
+};
+
+Result<Loaded> load(std::string_view id, std::string_view kind, std::vector<std::byte> data, const std::string& place) {
+  Loaded out{std::string(id), std::string(kind), {}, std::move(data), nullptr, nullptr};
+  if (!content::is_id(id, content::max_resource_id))
+    return fail(ErrorCode::syntax, place, "'" + out.id + "' cannot be an id.", "Use 1 to 21 letters, digits, '-', '_' or '.'.");
+  if (kind == "mechanism") {
+    Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(out.data.data()), out.data.size()}, place);
+    if (!mechanism) return fail(std::move(mechanism.error()));
+    out.mechanism = std::move(*mechanism);
+    out.name = out.mechanism->name();
+    return out;
+  }
+  if (kind == "motion") {
+    Result<Motion> motion = formats::read_motion(out.data, place);
+    if (!motion) return fail(std::move(motion.error()));
+    out.motion = std::make_shared<const Motion>(std::move(*motion));
+    out.name = out.motion->name;
+    return out;
+  }
+  return fail(ErrorCode::unsupported, place, "A project holds mechanisms and motions, not '" + out.kind + "'.", "Use an entry of another kind.");
+}
+
+/// Moves a finished file to its place for good.
+Result<void> move_into_place(const std::string& from, const std::string& to) {
+  namespace fs = std::filesystem;
+  const auto sync = [](const std::string& path, int flags) {
+    const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
+    if (descriptor < 0) return false;
+    const bool done = ::fsync(descriptor) == 0;
+    ::close(descriptor);
+    return done;
+  };
+  std::error_code error;
+  if (!sync(from, O_RDONLY)) return fail(ErrorCode::io, to, "The new file could not be brought to the disk.", "Check the disk, then save again.");
+  for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // of a file that is replaced: not of this one
+  fs::rename(from, to, error);
+  if (error) return fail(ErrorCode::io, to, "The new file could not be named: " + error.message() + ".", "Check the folder's permissions, then save again.");
+  const std::string folder = fs::path(to).parent_path().string();
+  (void)sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+  return {};
+}
+
+}  // namespace
+
+struct Project::Body {
+  // The lock is released after the file is closed: members are destroyed in reverse order.
+  FileLock lock;
+  ProjectFile file;
+  bool read_only = false;
+  content::Scenario scenario;
+  std::string document, saved;
+  content::Resources resources;
+  content::Catalogue catalogue;
+  std::vector<Step> steps;
+  std::int64_t position = 0;  ///< number of the last step that is in the document
+  std::uint64_t next_id = 1, revision = 0;
+
+  Body(FileLock l, ProjectFile f) : lock(std::move(l)), file(std::move(f)) {}
+
+  /// Reads everything that the file holds.
+  Result<void> read();
+  Result<void> may_write() const {
+    if (read_only) return fail(ErrorCode::conflict, file.path(), "The project was opened only to look.", "Open it for editing.");
+    return {};
+  }
+  /// Runs `write` in one transaction.
+  template <class Write>
+  Result<void> in_transaction(Write write) {
+    if (Result<void> allowed = may_write(); !allowed) return allowed;
+    Result<store::Transaction> transaction = store::Transaction::begin(file.database());
+    if (!transaction) return fail(std::move(transaction.error()));
+    if (Result<void> done = write(); !done) return done;
+    return transaction->commit();
+  }
+  Result<void> put(const Loaded& resource) { return file.put_resource(resource.id, resource.kind, resource.name, resource.data); }
+  void take(const Loaded& resource) {
+    if (resource.mechanism) {
+      catalogue.mechanisms.insert_or_assign(resource.id, content::facts_of(*resource.mechanism));
+      resources.mechanisms.insert_or_assign(resource.id, resource.mechanism);
+    } else {
+      catalogue.motions.insert_or_assign(resource.id, content::facts_of(*resource.motion));
+      resources.motions.insert_or_assign(resource.id, resource.motion);
+    }
+  }
+  bool has(std::string_view id) const { return resources.mechanisms.contains(id) || resources.motions.contains(id); }
+  Result<Loaded> fetch(std::string_view id, const store::Library& library) const {
+    Result<store::LibraryEntry> entry = library.get(id);
+    if (!entry) return fail(std::move(entry.error()));
+    Result<std::vector<std::byte>> data = library.data(id);
+    if (!data) return fail(std::move(data.error()));
+    return load(id, store::name_of(entry->kind), std::move(*data), "library entry " + std::string(id));
+  }
+  std::ptrdiff_t step_index(std::int64_t number) const {
+    const auto it = std::find_if(steps.begin(), steps.end(), [&](const Step& s) { return s.number == number; });
+    return it == steps.end() ? -1 : it - steps.begin();
+  }
+  /// Undo and redo.
+  Result<std::string> go(bool back);
+};
+
+Result<void> Project::Body::read() {
+  Result<std::vector<ResourceRow>> rows = file.resources();
+  if (!rows) return fail(std::move(rows.error()));
+  Error problems;
+  for (ResourceRow& row : *rows) {
+    Result<Loaded> resource = load(row.id, row.kind, std::move(row.data), file.path() + ", " + row.kind + " " + row.id);
+    if (resource)
+      take(*resource);
+    else
+      for (Problem& p : resource.error().problems) problems.problems.push_back(std::move(p));
+  }
+  if (!problems.empty()) return fail(std::move(problems));
+  for (const auto& [name, text] : {std::pair<const char*, std::string*>("document", &document), {"saved", &saved}}) {
+    Result<std::string> value = file.property(name);
+    if (!value) return fail(std::move(value.error()));
+    *text = std::move(*value);
+  }
+  const std::string place = file.path() + ", scenario";
+  Result<content::Scenario> read = content::read_scenario(document, place);
+  if (!read) return fail(std::move(read.error()));
+  problems = content::check_scenario(*read, &catalogue, place);
+  if (!problems.empty()) return fail(std::move(problems));
+  scenario = std::move(*read);
+  for (const auto& [name, read_only_number] : {std::pair<const char*, bool>("position", true), {"next_id", false}}) {
+    const Result<std::string> text = file.property(name);
+    if (!text) return fail(text.error());
+    const std::optional<long> number = parse_long(*text);
+    if (!number || *number < 0) return fail(ErrorCode::syntax, file.path(), "Its " + std::string(name) + " is no number.", "Restore it from a copy; it was left as it is.");
+    if (read_only_number)
+      position = *number;
+    else
+      next_id = static_cast<std::uint64_t>(*number);
+  }
+  Result<std::vector<Step>> all = file.steps();
+  if (!all) return fail(std::move(all.error()));
+  steps = std::move(*all);
+  return {};
+}
+
+Project::Project(std::unique_ptr<Body> body) : body_(std::move(body)) {}
+Project::Project(Project&&) noexcept = default;
+Project& Project::operator=(Project&&) noexcept = default;
+Project::~Project() = default;
+
+Result<Project> Project::create(const std::string& path, const content::Scenario& scenario, const content::Resources& resources) {
+  content::Scenario document = scenario;
+  content::put_in_order(document);
+  const content::Catalogue catalogue = content::catalogue_of(resources);
+  Error problems = content::check_scenario(document, &catalogue);
+  if (!problems.empty()) return fail(std::move(problems));
+  Result<FileLock> lock = FileLock::take(path);
+  if (!lock) return fail(std::move(lock.error()));
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
+  // Made under another name first: a file with the project's name is always a whole project.
+  const std::string unfinished = path + ".new";
+  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(unfinished + suffix, ignored);
+  Result<void> made = [&]() -> Result<void> {
+    Result<ProjectFile> file = ProjectFile::create(unfinished);
+    if (!file) return fail(std::move(file.error()));
+    const std::string text = content::write_scenario(document);
+    Result<store::Transaction> transaction = store::Transaction::begin(file->database());
+    if (!transaction) return fail(std::move(transaction.error()));
+    for (const auto& [name, value] : {std::pair<const char*, std::string>("document", text), {"saved", text}, {"position", "0"}, {"next_id", "1"}})
+      if (Result<void> done = file->set_property(name, value); !done) return done;
+    for (const auto& [id, mechanism] : resources.mechanisms)
+      if (Result<void> done = file->put_resource(id, "mechanism", mechanism->name(), bytes_of(formats::write_mechanism(*mechanism))); !done) return done;
+    for (const auto& [id, motion] : resources.motions)
+      if (Result<void> done = file->put_resource(id, "motion", motion->name, formats::write_motion(*motion)); !done) return done;
+    return transaction->commit();
+  }();
+  if (made) made = move_into_place(unfinished, path);
+  if (!made) {
+    for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(unfinished + suffix, ignored);
+    for (Problem& p : made.error().problems)
+      if (p.place == unfinished) p.place = path;
+    return fail(std::move(made.error()));
+  }
+  Result<ProjectFile> file = ProjectFile::open(path, false);
+  if (!file) return fail(std::move(file.error()));
+  auto body = std::make_unique<Body>(std::move(*lock), std::move(*file));
+  if (Result<void> done = body->read(); !done) return fail(std::move(done.error()));
+  return Project(std::move(body));
+}
+
+Result<Project> Project::open(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) {
+    Result<ProjectFile> missing = ProjectFile::open(path, true);
+    if (!missing) return fail(std::move(missing.error()));
+  }
+  Result<FileLock> lock = FileLock::take(path);
+  if (!lock) return fail(std::move(lock.error()));
+  {
+    Result<Project> look = open_read_only(path);  // a file that is refused must not be written to
+    if (!look) return fail(std::move(look.error()));
+  }
+  Result<ProjectFile> file = ProjectFile::open(path, false);
+  if (!file) return fail(std::move(file.error()));
+  auto body = std::make_unique<Body>(std::move(*lock), std::move(*file));
+  if (Result<void> done = body->read(); !done) return fail(std::move(done.error()));
+  return Project(std::move(body));
+}
+
+Result<Project> Project::open_read_only(const std::string& path) {
+  Result<ProjectFile> file = ProjectFile::open(path, true);
+  if (!file) return fail(std::move(file.error()));
+  auto body = std::make_unique<Body>(FileLock(), std::move(*file));
+  body->read_only = true;
+  if (Result<void> done = body->read(); !done) return fail(std::move(done.error()));
+  return Project(std::move(body));
+}
+
+const std::string& Project::path() const { return body_->file.path(); }
+const content::Scenario& Project::scenario() const { return body_->scenario; }
+const std::string& Project::document() const { return body_->document; }
+const content::Resources& Project::resources() const { return body_->resources; }
+const content::Catalogue& Project::catalogue() const { return body_->catalogue; }
+std::uint64_t Project::revision() const { return body_->revision; }
+
+Result<Change> Project::execute(std::string_view command, const store::Library* library) {
+  Body& b = *body_;
+  if (Result<void> allowed = b.may_write(); !allowed) return fail(std::move(allowed.error()));
+  std::vector<Loaded> fetched;
+  content::Catalogue catalogue = b.catalogue;
+  if (library) {
+    for (const std::string& id : content::resources_named(command)) {
+      const bool known = b.has(id) || std::any_of(fetched.begin(), fetched.end(), [&](const Loaded& l) { return l.id == id; });
+      if (known) continue;
+      if (const Result<store::LibraryEntry> entry = library->get(id); !entry) {
+        if (entry.error().problems.front().code == ErrorCode::unknown) continue;  // the command's own check names what nobody has
+        return fail(entry.error());
+      }
+      Result<Loaded> resource = b.fetch(id, *library);
+      if (!resource) return fail(std::move(resource.error()));
+      if (resource->mechanism)
+        catalogue.mechanisms.emplace(id, content::facts_of(*resource->mechanism));
+      else
+        catalogue.motions.emplace(id, content::facts_of(*resource->motion));
+      fetched.push_back(std::move(*resource));
+    }
+  }
+  std::uint64_t next_id = b.next_id;
+  Result<content::CommandEffect> effect = content::apply_command(b.scenario, command, catalogue, next_id);
+  if (!effect) return fail(std::move(effect.error()));
+  const std::string text = content::write_scenario(effect->scenario);
+  if (text == b.document) return Change{};
+
+  const Result<content::Json> before = content::parse_json(b.document, "document"), after = content::parse_json(text, "document");
+  UGOKI_CHECK(before && after);
+  const StepData step{effect->label, std::string(command), content::make_delta(*before, *after).dump(), content::make_delta(*after, *before).dump()};
+  Result<void> written = b.in_transaction([&]() -> Result<void> {
+    for (const Loaded& resource : fetched)
+      if (Result<void> done = b.put(resource); !done) return done;
+    if (Result<void> done = b.file.add_step(b.position, step, kept_steps); !done) return done;
+    for (const auto& [name, value] : {std::pair<const char*, std::string>("document", text), {"position", std::to_string(b.position + 1)}, {"next_id", std::to_string(next_id)}})
+      if (Result<void> done = b.file.set_property(name, value); !done) return done;
+    return {};
+  });
+  if (!written) return fail(std::move(written.error()));
+  for (const Loaded& resource : fetched) b.take(resource);
+  const std::int64_t position = b.position;
+  std::erase_if(b.steps, [&](const Step& s) { return s.number > position || s.number <= position + 1 - kept_steps; });
+  b.steps.push_back({++b.position, effect->label});
+  b.next_id = next_id;
+  b.scenario = std::move(effect->scenario);
+  b.document = text;
+  ++b.revision;
+  return Change{std::move(effect->label), std::move(effect->created)};
+}
+
+Result<std::string> Project::Body::go(bool back) {
+  if (Result<void> allowed = may_write(); !allowed) return fail(std::move(allowed.error()));
+  const std::int64_t number = back ? position : position + 1;
+  if (step_index(number) < 0) return fail(ErrorCode::range, file.path(), back ? "There is nothing to undo." : "There is nothing to redo.");
+  const Result<StepData> data = file.step(number);
+  if (!data) return fail(data.error());
+  const Result<content::Json> delta = content::parse_json(back ? data->backward : data->forward, file.path() + ", history");
+  if (!delta) return fail(delta.error());
+  const Result<content::Json> now = content::parse_json(document, "document");
+  UGOKI_CHECK(now.has_value());
+  const Result<content::Json> then = content::apply_delta(*now, *delta);
+  if (!then) return fail(then.error());
+  Result<content::Scenario> next = content::read_scenario(then->dump(), file.path() + ", history");
+  if (!next) return fail(std::move(next.error()));
+  Error problems = content::check_scenario(*next, &catalogue, file.path() + ", history");
+  if (!problems.empty()) return fail(std::move(problems));
+  const std::string text = content::write_scenario(*next);
+  const std::int64_t target = back ? position - 1 : position + 1;
+  Result<void> written = in_transaction([&]() -> Result<void> {
+    if (Result<void> done = file.set_property("document", text); !done) return done;
+    return file.set_property("position", std::to_string(target));
+  });
+  if (!written) return fail(std::move(written.error()));
+  scenario = std::move(*next);
+  document = text;
+  position = target;
+  ++revision;
+  return data->label;
+}
+
+Result<std::string> Project::undo() { return body_->go(true); }
+Result<std::string> Project::redo() { return body_->go(false); }
+bool Project::can_undo() const { return body_->step_index(body_->position) >= 0; }
+bool Project::can_redo() const { return body_->step_index(body_->position + 1) >= 0; }
+std::string Project::undo_label() const {
+  const std::ptrdiff_t i = body_->step_index(body_->position);
+  return i < 0 ? std::string() : body_->steps[static_cast<std::size_t>(i)].label;
+}
+std::string Project::redo_label() const {
+  const std::ptrdiff_t i = body_->step_index(body_->position + 1);
+  return i < 0 ? std::string() : body_->steps[static_cast<std::size_t>(i)].label;
+}
+
+bool Project::unsaved() const { return body_->document != body_->saved; }
+
+Result<void> Project::save() {
+  Body& b = *body_;
+  if (Result<void> done = b.in_transaction([&] { return b.file.set_property("saved", b.document); }); !done) return done;
+  b.saved = b.document;
+  return b.file.database().run("PRAGMA wal_checkpoint(TRUNCATE)");  // so that the one file is all there is to copy
+}
+
+Result<void> Project::save_as(const std::string& path, bool overwrite) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::equivalent(path, this->path(), ignored)) return save();
+  Result<FileLock> lock = FileLock::take(path);
+  if (!lock) return fail(std::move(lock.error()));
+  if (fs::exists(path, ignored) && !overwrite) return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or agree to replace it.");
+  const std::string unfinished = path + ".new";
+  for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(unfinished + suffix, ignored);
+  Result<void> made = [&]() -> Result<void> {
+    Result<store::Statement> copy = body_->file.database().prepare("VACUUM INTO ?1");
+    if (!copy) return fail(std::move(copy.error()));
+    if (Result<void> done = copy->bind(1, unfinished).run(); !done) return done;
+    Result<ProjectFile> file = ProjectFile::open(unfinished, false);
+    if (!file) return fail(std::move(file.error()));
+    return file->set_property("saved", body_->document);
+  }();
+  if (made) made = move_into_place(unfinished, path);
+  if (!made) {
+    for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(unfinished + suffix, ignored);
+    return made;
+  }
+  Result<ProjectFile> file = ProjectFile::open(path, false);
+  if (!file) return fail(std::move(file.error()));
+  const std::uint64_t revision = body_->revision;
+  auto body = std::make_unique<Body>(std::move(*lock), std::move(*file));
+  if (Result<void> done = body->read(); !done) return done;
+  body->revision = revision;
+  body_ = std::move(body);
+  return {};
+}
+
+Result<void> Project::add_resource(std::string_view id, std::string_view kind, std::span<const std::byte> data) {
+  if (body_->has(id)) return {};
+  Result<Loaded> resource = load(id, kind, {data.begin(), data.end()}, std::string(kind) + " " + std::string(id));
+  if (!resource) return fail(std::move(resource.error()));
+  if (Result<void> done = body_->in_transaction([&] { return body_->put(*resource); }); !done) return done;
+  body_->take(*resource);
+  return {};
+}
+
+Result<void> Project::adopt(std::string_view id, const store::Library& library) {
+  if (body_->has(id)) return {};
+  Result<Loaded> resource = body_->fetch(id, library);
+  if (!resource) return fail(std::move(resource.error()));
+  if (Result<void> done = body_->in_transaction([&] { return body_->put(*resource); }); !done) return done;
+  body_->take(*resource);
+  return {};
+}
+
+Result<std::vector<std::byte>> Project::generate() const { return content::generate(body_->scenario, body_->resources); }
+
+}  // namespace ugoki::project

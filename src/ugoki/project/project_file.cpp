@@ -1,0 +1,158 @@
+#include "ugoki/project/project_file.h"
+
+#include <ctime>
+#include <filesystem>
+
+#include "ugoki/base/hash.h"
+
+namespace ugoki::project {
+namespace {
+
+constexpr const char* tables = R"(
+CREATE TABLE property (
+  name  TEXT PRIMARY KEY NOT NULL,
+  value TEXT NOT NULL
+) STRICT, WITHOUT ROWID;
+CREATE TABLE resource (
+  id       TEXT PRIMARY KEY NOT NULL,
+  kind     TEXT NOT NULL CHECK (kind IN ('mechanism', 'motion')),
+  name     TEXT NOT NULL,
+  checksum TEXT NOT NULL,
+  data     BLOB NOT NULL
+) STRICT;
+CREATE TABLE history (
+  number   INTEGER PRIMARY KEY NOT NULL,
+  label    TEXT NOT NULL,
+  command  TEXT NOT NULL,
+  forward  TEXT NOT NULL,
+  backward TEXT NOT NULL,
+  time     INTEGER NOT NULL
+) STRICT;
+)";
+
+std::string checksum_of(std::span<const std::byte> data) {
+  Hash64 hash;
+  hash.add_bytes(data.data(), data.size());
+  return hash.hex();
+}
+
+Result<void> check(store::Database& database) {
+  const std::string& path = database.path();
+  const Result<std::int64_t> application = database.integer("PRAGMA application_id");
+  if (!application) return fail(application.error());
+  const Result<std::int64_t> version = database.integer("PRAGMA user_version");
+  if (!version) return fail(version.error());
+  if (*application != project_application_id)
+    return fail(ErrorCode::syntax, path, "This file is not a project of Ugoki.", "Open a *.ugoki file; make one with `ugoki new`.");
+  if (*version > project_version)
+    return fail(ErrorCode::unsupported, path,
+                "The project was saved by a newer Ugoki (version " + std::to_string(*version) + "; this program knows " + std::to_string(project_version) + ").",
+                "Open it with a newer Ugoki; it was left as it is.");
+  if (*version < 1) return fail(ErrorCode::syntax, path, "The project has an impossible version.", "Restore it from a copy; it was left as it is.");
+  if (Result<void> good = database.check_structure(); !good) return good;
+  const Result<std::int64_t> others =
+      database.integer("SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view') OR (type = 'table' AND name NOT IN ('property', 'resource', 'history'))");
+  if (!others) return fail(others.error());
+  if (*others != 0)
+    return fail(ErrorCode::structure, path, "The project holds tables or triggers that no Ugoki made.", "Do not trust it; restore it from a copy.");
+  return {};
+}
+
+}  // namespace
+
+Result<ProjectFile> ProjectFile::create(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
+  Result<store::Database> database = store::Database::open(path, store::OpenMode::create);
+  if (!database) return fail(std::move(database.error()));
+  const std::string marks = "PRAGMA application_id = " + std::to_string(project_application_id) + "; PRAGMA user_version = " + std::to_string(project_version);
+  for (const std::string& sql : {std::string("PRAGMA journal_mode = WAL"), std::string("PRAGMA synchronous = FULL"), std::string("BEGIN IMMEDIATE;") + tables + marks + ";COMMIT"})
+    if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
+  return ProjectFile(std::move(*database));
+}
+
+Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return fail(ErrorCode::io, path, "There is no such file.", "Check its name, or make a project with `ugoki new`.");
+  if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Give a *.ugoki file.");
+  Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
+  if (!look) return fail(std::move(look.error()));
+  if (Result<void> good = check(*look); !good) return fail(std::move(good.error()));
+  if (read_only) return ProjectFile(std::move(*look));
+  Result<store::Database> database = store::Database::open(path, store::OpenMode::read_write);
+  if (!database) return fail(std::move(database.error()));
+  for (const char* sql : {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL"})
+    if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
+  return ProjectFile(std::move(*database));
+}
+
+Result<std::string> ProjectFile::property(std::string_view name) {
+  Result<store::Statement> row = database_.prepare("SELECT value FROM property WHERE name = ?1");
+  if (!row) return fail(std::move(row.error()));
+  const Result<bool> found = row->bind(1, name).step();
+  if (!found) return fail(found.error());
+  if (!*found)
+    return fail(ErrorCode::structure, path(), "The project lacks its " + std::string(name) + ".", "Restore it from a copy; it was left as it is.");
+  return row->text(0);
+}
+
+Result<void> ProjectFile::set_property(std::string_view name, std::string_view value) {
+  Result<store::Statement> put = database_.prepare("INSERT INTO property (name, value) VALUES (?1, ?2) ON CONFLICT (name) DO UPDATE SET value = excluded.value");
+  if (!put) return fail(std::move(put.error()));
+  return put->bind(1, name).bind(2, value).run();
+}
+
+Result<std::vector<ResourceRow>> ProjectFile::resources() {
+  Result<store::Statement> rows = database_.prepare("SELECT id, kind, data, checksum FROM resource ORDER BY id");
+  if (!rows) return fail(std::move(rows.error()));
+  std::vector<ResourceRow> out;
+  Error problems;
+  for (;;) {
+    const Result<bool> next = rows->step();
+    if (!next) return fail(next.error());
+    if (!*next) break;
+    out.push_back({rows->text(0), rows->text(1), rows->blob(2)});
+    if (checksum_of(out.back().data) != rows->text(3))
+      problems.add(ErrorCode::syntax, path() + ", " + out.back().kind + " " + out.back().id, "Its data are damaged (checksum).", "Restore the project from a copy; it was left as it is.");
+  }
+  if (!problems.empty()) return fail(std::move(problems));
+  return out;
+}
+
+Result<void> ProjectFile::put_resource(std::string_view id, std::string_view kind, std::string_view name, std::span<const std::byte> data) {
+  Result<store::Statement> put = database_.prepare("INSERT INTO resource (id, kind, name, checksum, data) VALUES (?1, ?2, ?3, ?4, ?5)");
+  if (!put) return fail(std::move(put.error()));
+  return put->bind(1, id).bind(2, kind).bind(3, name).bind(4, checksum_of(data)).bind_blob(5, data).run();
+}
+
+Result<std::vector<Step>> ProjectFile::steps() {
+  Result<store::Statement> rows = database_.prepare("SELECT number, label FROM history ORDER BY number");
+  if (!rows) return fail(std::move(rows.error()));
+  std::vector<Step> out;
+  for (;;) {
+    const Result<bool> next = rows->step();
+    if (!next) return fail(next.error());
+    if (!*next) return out;
+    out.push_back({rows->integer(0), rows->text(1)});
+  }
+}
+
+Result<StepData> ProjectFile::step(std::int64_t number) {
+  Result<store::Statement> row = database_.prepare("SELECT label, command, forward, backward FROM history WHERE number = ?1");
+  if (!row) return fail(std::move(row.error()));
+  const Result<bool> found = row->bind(1, number).step();
+  if (!found) return fail(found.error());
+  if (!*found) return fail(ErrorCode::structure, path(), "Step " + std::to_string(number) + " of the history is missing.", "Undo and redo cannot go further here.");
+  return StepData{row->text(0), row->text(1), row->text(2), row->text(3)};
+}
+
+Result<void> ProjectFile::add_step(std::int64_t position, const StepData& step, std::int64_t keep) {
+  Result<store::Statement> forget = database_.prepare("DELETE FROM history WHERE number > ?1 OR number <= ?2");
+  if (!forget) return fail(std::move(forget.error()));
+  if (Result<void> done = forget->bind(1, position).bind(2, position + 1 - keep).run(); !done) return done;
+  Result<store::Statement> add = database_.prepare("INSERT INTO history (number, label, command, forward, backward, time) VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+  if (!add) return fail(std::move(add.error()));
+  return add->bind(1, position + 1).bind(2, step.label).bind(3, step.command).bind(4, step.forward).bind(5, step.backward).bind(6, static_cast<std::int64_t>(std::time(nullptr))).run();
+}
+
+}  // namespace ugoki::project
