@@ -1,0 +1,507 @@
+#include "ugoki/studio/interpreter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "ugoki/base/check.h"
+#include "ugoki/base/hash.h"
+#include "ugoki/base/number.h"
+#include "ugoki/studio/frame.h"
+
+namespace ugoki::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double display_rate = 60;           // ticks a second
+constexpr double slice_seconds = 0.004;       // of work before calls are looked at again
+constexpr double greatest_lag = 0.25;         // s behind the clock before the clock is let go
+constexpr double cheap_seconds = 3;           // to simulate again after an edit
+constexpr double transport_period = 0.5, summary_period = 0.25;
+constexpr double slowest = 0.05, fastest = 8;
+
+Error told(ErrorCode code, std::string place, std::string message, std::string remedy) {
+  return {code, std::move(place), std::move(message), std::move(remedy)};
+}
+
+/// True if simulating `seconds` is fast enough to do it unasked.
+bool is_cheap_to(double seconds, double realtime_factor) { return seconds <= cheap_seconds * realtime_factor; }
+
+bool finite(const Vec3& v) { return is_finite(v) && norm(v) < 1e9; }
+
+}  // namespace
+
+Interpreter::Interpreter(SimulationOpener opener, InterpreterSink& sink, std::function<double()> seconds)
+    : opener_(opener), sink_(sink), seconds_(std::move(seconds)) {}
+
+std::int64_t Interpreter::step_at(double time) const { return std::llround(time / simulation_->step_size()); }
+double Interpreter::time_of(std::int64_t step) const { return static_cast<double>(step) * simulation_->step_size(); }
+double Interpreter::head_time() const { return time_of(simulation_->step_count()); }
+double Interpreter::simulated() const { return simulation_ ? head_time() : 0; }
+
+std::uint64_t Interpreter::head_digest() const {
+  std::vector<std::byte> state;
+  if (simulation_) simulation_->save(state);
+  Hash64 hash;
+  hash.add_bytes(state.data(), state.size());
+  return hash.value();
+}
+
+double Interpreter::realtime_factor() const {
+  constexpr double unknown = 10;  // until something was measured
+  return computed_seconds_ > 0 && simulation_ ? computed_steps_ * simulation_->step_size() / computed_seconds_ : unknown;
+}
+
+Result<void> Interpreter::require_content() const {
+  if (simulation_) return {};
+  return fail(told(ErrorCode::structure, "transport", "There is no content that runs.", "Mend what the log names, then play again."));
+}
+
+Result<void> Interpreter::load(std::span<const std::byte> executable) {
+  Result<std::unique_ptr<Simulation>> opened = opener_(executable);
+  if (!opened) return fail(std::move(opened.error()));
+  const bool same_cast = simulation_ && simulation_->cast() == (*opened)->cast() && simulation_->step_size() == (*opened)->step_size();
+  const std::vector<LiveInput> inputs = same_cast && recording_ ? recording_->inputs() : std::vector<LiveInput>();
+  const double pace = realtime_factor();
+  const bool was_playing = playing_;
+
+  simulation_ = std::move(*opened);
+  begin_recording();
+  for (const LiveInput& input : inputs) recording_->add_input(input);
+  shown_ = std::clamp(shown_, 0.0, simulation_->duration());
+  playing_ = was_playing;
+  status_ = playing_ ? "playing" : "ready";
+  if (mode_ == PlayMode::edit) {
+    show_edit(shown_);
+  } else if (is_cheap_to(shown_, pace)) {
+    set_goal(Goal::seek, step_at(shown_));
+  } else {
+    playing_ = false;
+    show_head();
+    sink_.message(Json{{"event", "log"}, {"level", "info"}, {"text", "The content was changed; its simulation begins again at 0."}}.dump());
+  }
+  anchor();
+  report_transport();
+  return {};
+}
+
+Result<void> Interpreter::set_mode(PlayMode mode) {
+  if (Result<void> r = require_content(); !r) return r;
+  if (mode == mode_) return {};
+  mode_ = mode;
+  playing_ = false;
+  goal_ = Goal::none;
+  status_ = "ready";
+  if (mode_ == PlayMode::edit) {
+    show_edit(shown_);
+  } else if (shown_ <= head_time() + 0.5 * simulation_->step_size()) {
+    show_recorded(shown_);
+  } else if (!blown_up_ && is_cheap_to(shown_ - head_time(), realtime_factor())) {
+    set_goal(Goal::seek, step_at(shown_));
+  } else {
+    show_head();  // physics goes on where it was left
+  }
+  report_transport();
+  return {};
+}
+
+Result<void> Interpreter::play(std::optional<double> speed) {
+  if (Result<void> r = require_content(); !r) return r;
+  if (speed) {
+    if (!(*speed >= slowest && *speed <= fastest)) {
+      return fail(told(ErrorCode::range, "speed", "The speed must lie between 0.05 and 8.", "1 is real time."));
+    }
+    speed_ = *speed;
+  }
+  if (blown_up_ && shown_ >= head_time()) {
+    return fail(told(ErrorCode::structure, "transport", "The simulation cannot go on from here: " + status_, "Restart it, or change the content."));
+  }
+  if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
+    shown_ = 0;
+    mode_ == PlayMode::edit ? show_edit(0) : show_recorded(0);
+  }
+  if (goal_ == Goal::tick) goal_ = Goal::none;
+  playing_ = true;
+  status_ = "playing";
+  anchor();
+  report_transport();
+  return {};
+}
+
+Result<void> Interpreter::pause() {
+  if (Result<void> r = require_content(); !r) return r;
+  goal_ = Goal::none;
+  if (playing_ || status_ == "simulating") {
+    playing_ = false;
+    status_ = "paused";
+    if (mode_ == PlayMode::simulate && shown_ >= head_time() - 1.5 * simulation_->step_size()) show_head();
+    else if (mode_ == PlayMode::simulate) show_recorded(shown_);
+    else show_edit(shown_);
+  }
+  report_transport();
+  report_summary();
+  return {};
+}
+
+Result<void> Interpreter::step_frames(int frames) {
+  if (Result<void> r = require_content(); !r) return r;
+  playing_ = false;
+  const double now = goal_ == Goal::seek ? time_of(goal_step_) : shown_;
+  return seek((std::round(now * simulation_->frame_rate()) + frames) / simulation_->frame_rate());
+}
+
+Result<void> Interpreter::seek(double time) {
+  if (Result<void> r = require_content(); !r) return r;
+  if (!std::isfinite(time)) return fail(told(ErrorCode::range, "time", "The time to go to must be a number.", "Give it in seconds."));
+  const double to = std::clamp(time, 0.0, simulation_->duration());
+  goal_ = Goal::none;
+  status_ = playing_ ? "playing" : "paused";
+  if (mode_ == PlayMode::edit) {
+    show_edit(to);
+  } else if (step_at(to) <= simulation_->step_count()) {
+    show_recorded(to);
+  } else if (blown_up_) {
+    show_head();
+    status_ = "stopped";
+  } else {
+    set_goal(Goal::seek, step_at(to));
+  }
+  anchor();
+  report_transport();
+  return {};
+}
+
+Result<void> Interpreter::restart() {
+  if (Result<void> r = require_content(); !r) return r;
+  goal_ = Goal::none;
+  recording_->truncate(0);
+  if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
+  next_input_ = 0;
+  blown_up_ = false;
+  shown_ = 0;
+  status_ = playing_ ? "playing" : "ready";
+  mode_ == PlayMode::edit ? show_edit(0) : show_head();
+  anchor();
+  report_transport();
+  report_summary();
+  return {};
+}
+
+Result<LiveInput> Interpreter::link_input(std::string_view character, std::string_view link) const {
+  if (Result<void> r = require_content(); !r) return fail(std::move(r.error()));
+  if (mode_ != PlayMode::simulate) {
+    return fail(told(ErrorCode::structure, "mode", "Bodies can be pulled and pushed in Simulate only.", "Switch to Simulate."));
+  }
+  const std::vector<CastMember>& cast = simulation_->cast();
+  const auto found = std::ranges::find(cast, character, &CastMember::id);
+  if (found == cast.end()) {
+    return fail(told(ErrorCode::unknown, "character", "No character is called \"" + std::string(character) + "\".", "Name one of the scenario's characters."));
+  }
+  LiveInput input;
+  input.character = static_cast<int>(found - cast.begin());
+  const std::optional<long> index = parse_long(link);
+  input.link = index ? (*index >= 0 && *index < found->links ? static_cast<int>(*index) : -1) : simulation_->find_link(input.character, link);
+  if (input.link < 0) {
+    return fail(told(ErrorCode::unknown, "link", "\"" + std::string(character) + "\" has no link \"" + std::string(link) + "\".",
+                     "Give a link's index, name or label."));
+  }
+  return input;
+}
+
+Result<void> Interpreter::grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target) {
+  Result<LiveInput> input = link_input(character, link);
+  if (!input) return fail(std::move(input.error()));
+  if (!finite(point) || !finite(target)) return fail(told(ErrorCode::range, "target", "Points must be finite.", "Give metres."));
+  input->type = LiveInput::Type::grab;
+  input->a = point;
+  input->b = target;
+  return live_input(*input);
+}
+
+Result<void> Interpreter::push(std::string_view character, std::string_view link, const Vec3& force, double duration) {
+  Result<LiveInput> input = link_input(character, link);
+  if (!input) return fail(std::move(input.error()));
+  if (!is_finite(force) || norm(force) > 1e5 || !(duration > 0 && duration <= 10)) {
+    return fail(told(ErrorCode::range, "force", "A push has at most 100 000 N and lasts at most 10 s.", "Give the force in newton and the duration in seconds."));
+  }
+  input->type = LiveInput::Type::push;
+  input->a = force;
+  input->duration = duration;
+  return live_input(*input);
+}
+
+Result<void> Interpreter::drag(const Vec3& target) {
+  if (Result<void> r = require_content(); !r) return r;
+  if (!finite(target)) return fail(told(ErrorCode::range, "target", "Points must be finite.", "Give metres."));
+  const std::vector<LiveInput>& inputs = recording_->inputs();
+  if (mode_ != PlayMode::simulate || inputs.empty() || inputs.back().type == LiveInput::Type::release) return {};  // the grab is over
+  LiveInput input;
+  input.type = LiveInput::Type::drag;
+  input.a = target;
+  return live_input(input);
+}
+
+Result<void> Interpreter::release() {
+  if (Result<void> r = require_content(); !r) return r;
+  if (mode_ != PlayMode::simulate) return {};
+  LiveInput input;
+  input.type = LiveInput::Type::release;
+  return live_input(input);
+}
+
+Result<void> Interpreter::live_input(LiveInput input) {
+  if (goal_ == Goal::seek) {  // what was to be simulated first is not wanted any more
+    goal_ = Goal::none;
+    shown_ = head_time();
+    anchor();
+  }
+  if (shown_ < head_time() - 0.5 * simulation_->step_size()) {
+    if (Result<void> r = truncate(step_at(shown_)); !r) return r;
+    anchor();
+  }
+  recording_->truncate(simulation_->step_count() + 1);  // inputs of a future that did not come
+  apply_due_inputs();
+  input.step = simulation_->step_count();
+  recording_->add_input(input);
+  next_input_ = recording_->inputs().size();
+  apply(input);
+  if (!playing_) show_head();
+  return {};
+}
+
+void Interpreter::apply(const LiveInput& input) {
+  switch (input.type) {
+    case LiveInput::Type::push: simulation_->push(input.character, input.link, input.a, input.duration); break;
+    case LiveInput::Type::grab: simulation_->grab(input.character, input.link, input.a, input.b); break;
+    case LiveInput::Type::drag: simulation_->drag(input.a); break;
+    case LiveInput::Type::release: simulation_->release(); break;
+  }
+}
+
+void Interpreter::begin_recording() {
+  recording_.emplace(simulation_->step_size(), simulation_->frame_rate(), static_cast<int>(simulation_->cast().size()));
+  blown_up_ = false;
+  goal_ = Goal::none;
+  next_input_ = 0;
+  record_head();
+}
+
+Result<void> Interpreter::truncate(std::int64_t step) {
+  const Recording::Checkpoint& checkpoint = recording_->checkpoint_before(step);
+  if (Result<void> r = simulation_->restore(checkpoint.state); !r) return r;
+  next_input_ = recording_->first_input(checkpoint.step);
+  recording_->truncate(step);
+  blown_up_ = false;
+  while (simulation_->step_count() < step) {
+    if (!advance_head()) return fail(told(ErrorCode::structure, "transport", status_, "Restart the simulation."));
+  }
+  return {};
+}
+
+void Interpreter::apply_due_inputs() {
+  const std::vector<LiveInput>& inputs = recording_->inputs();
+  for (; next_input_ < inputs.size() && inputs[next_input_].step <= simulation_->step_count(); ++next_input_) apply(inputs[next_input_]);
+}
+
+bool Interpreter::advance_head() {
+  apply_due_inputs();
+  if (Result<void> r = simulation_->step(); !r) {
+    stop(r.error());
+    return false;
+  }
+  record_head();
+  if (recording_->full()) {
+    stop(told(ErrorCode::range, "recording", "The recording is full (1 GB).", "Restart the simulation."));
+    return false;
+  }
+  return true;
+}
+
+void Interpreter::record_head() {
+  const std::int64_t step = simulation_->step_count();
+  if (recording_->checkpoint_due(step)) simulation_->save(recording_->add_checkpoint(step));
+  if (step < recording_->next_frame_step()) return;
+  simulation_->encode_frame(frame_);
+  const auto characters = static_cast<int>(simulation_->cast().size());
+  std::vector<std::uint8_t> feet;
+  for (int c = 0; c < characters; ++c) feet.push_back(simulation_->feet_on_ground(c));
+  set_frame_marks(frame_, time_of(step), 0, 0);
+  recording_->add_frame(frame_, feet);
+}
+
+void Interpreter::set_goal(Goal goal, std::int64_t step) {
+  goal_ = goal;
+  goal_step_ = step;
+  if (goal == Goal::seek) status_ = "simulating";
+}
+
+bool Interpreter::work_on_goal() {
+  const double begin = seconds_();
+  const std::int64_t first = simulation_->step_count();
+  double now = begin;
+  bool good = true;
+  while (good && simulation_->step_count() < goal_step_ && now - begin < slice_seconds) {
+    good = advance_head();
+    now = seconds_();
+  }
+  // A running mean of the pace over about the last second of computing.
+  const double fade = computed_seconds_ > 1 ? 0.98 : 1;
+  computed_seconds_ = computed_seconds_ * fade + (now - begin);
+  computed_steps_ = computed_steps_ * fade + static_cast<double>(simulation_->step_count() - first);
+  summary_due_ = true;
+  return !good || simulation_->step_count() >= goal_step_;
+}
+
+double Interpreter::work() {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  if (!simulation_) return never;
+  if (goal_ == Goal::seek) {
+    if (work_on_goal()) {
+      goal_ = Goal::none;
+      if (!blown_up_) status_ = playing_ ? "playing" : "paused";
+      show_head();
+      anchor();
+      report_transport();
+      report_summary();
+    } else {
+      report_in_time();
+      return 0;
+    }
+  }
+  if (!playing_) {
+    if (summary_due_ && seconds_() - summary_reported_ >= summary_period) report_summary();
+    return summary_due_ ? summary_period : never;
+  }
+
+  const double due = anchor_seconds_ + static_cast<double>(ticks_) / display_rate;
+  const double now = seconds_();
+  if (goal_ != Goal::tick) {
+    if (now < due) {
+      report_in_time();
+      return due - now;
+    }
+    if (now - due > greatest_lag) anchor();  // the content is slower than the clock: time goes on from here
+    tick();
+  }
+  if (goal_ == Goal::tick && work_on_goal()) {
+    goal_ = Goal::none;
+    show_head();
+    if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) finish_play();
+  }
+  report_in_time();
+  return 0;
+}
+
+void Interpreter::tick() {
+  const double time = std::min(anchor_time_ + static_cast<double>(ticks_) / display_rate * speed_, simulation_->duration());
+  ++ticks_;
+  const bool last = time >= simulation_->duration();
+  if (mode_ == PlayMode::edit) {
+    show_edit(time);
+    if (last) finish_play();
+  } else if (step_at(time) <= simulation_->step_count()) {
+    show_recorded(time);
+    if (last) finish_play();
+  } else if (blown_up_) {
+    show_head();
+    finish_play();
+  } else {
+    set_goal(Goal::tick, step_at(time));
+  }
+}
+
+void Interpreter::show_edit(double time) {
+  shown_ = time;
+  simulation_->encode_pose(time, frame_);
+  send(frame_, time, false);
+}
+
+void Interpreter::show_recorded(double time) {
+  // Beyond the last kept frame there is only the head itself.
+  if (step_at(time) > recording_->step_of_frame(recording_->frame_count() - 1) && step_at(time) == simulation_->step_count()) return show_head();
+  const std::span<const std::byte> kept = recording_->frame(recording_->frame_near(time));
+  frame_.assign(kept.begin(), kept.end());
+  shown_ = playing_ ? time : frame_time(frame_);
+  send(frame_, frame_time(frame_), false);
+}
+
+void Interpreter::show_head() {
+  shown_ = head_time();
+  simulation_->encode_frame(frame_);
+  send(frame_, shown_, true);
+}
+
+void Interpreter::send(std::span<std::byte> bytes, double time, bool live) {
+  std::uint32_t flags = playing_ ? frame_flag::playing : 0;
+  if (mode_ == PlayMode::simulate) flags |= frame_flag::simulate | (live ? frame_flag::live : 0);
+  set_frame_marks(bytes, time, static_cast<std::uint32_t>(time * simulation_->frame_rate() + 0.5), flags);
+  sink_.frame(bytes);
+}
+
+void Interpreter::anchor() {
+  anchor_seconds_ = seconds_();
+  anchor_time_ = shown_;
+  ticks_ = 1;
+}
+
+void Interpreter::finish_play() {
+  playing_ = false;
+  if (!blown_up_) status_ = "end";
+  report_transport();
+  report_summary();
+}
+
+void Interpreter::stop(const Error& error) {
+  blown_up_ = true;
+  playing_ = false;
+  status_ = error.text();
+  while (!status_.empty() && status_.back() == '\n') status_.pop_back();
+  sink_.message(Json{{"event", "stopped"}, {"reason", status_}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  report_transport();
+}
+
+void Interpreter::report_transport() {
+  transport_reported_ = seconds_();
+  const double pace = computed_seconds_ > 0 ? computed_steps_ / computed_seconds_ : 0;
+  const Json event{{"event", "transport"},
+                   {"mode", mode_ == PlayMode::edit ? "edit" : "simulate"},
+                   {"playing", playing_},
+                   {"speed", speed_},
+                   {"time", shown_},
+                   {"duration", simulation_->duration()},
+                   {"simulated", head_time()},
+                   {"steps_per_s", pace},
+                   {"realtime_factor", pace * simulation_->step_size()},
+                   {"status", status_}};
+  sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void Interpreter::report_summary() {
+  summary_reported_ = seconds_();
+  summary_due_ = false;
+  const std::vector<CastMember>& cast = simulation_->cast();
+  Json characters = Json::array(), contacts = Json::array();
+  for (std::size_t c = 0; c < cast.size(); ++c) {
+    const CharacterSummary s = simulation_->summary(static_cast<int>(c));
+    characters.push_back({{"id", cast[c].id},
+                          {"assist_rms_bw", s.assist_rms_bw},
+                          {"foot_skate_cm", s.foot_skate_cm},
+                          {"tracking_rms_deg", s.tracking_rms_deg},
+                          {"penetration_mm", s.penetration_mm},
+                          {"fell", s.fell}});
+  }
+  for (const ContactStretch& s : recording_->contacts()) {
+    contacts.push_back({{"character", cast[static_cast<std::size_t>(s.character)].id}, {"from", s.from}, {"to", s.to}, {"feet", s.feet}});
+  }
+  sink_.message(Json{{"event", "summary"}, {"characters", std::move(characters)}, {"contacts", std::move(contacts)}}.dump());
+}
+
+void Interpreter::report_in_time() {
+  const double now = seconds_();
+  if (now - transport_reported_ >= transport_period) report_transport();
+  if (summary_due_ && now - summary_reported_ >= summary_period) report_summary();
+}
+
+}  // namespace ugoki::studio

@@ -1,0 +1,118 @@
+#pragma once
+// Plays a simulation: transport, recording, seeking, live inputs. Knows no processes, sockets or clocks; it is told the time.
+//
+// Simulate mode keeps one simulation at the head of the recording. What is shown may lie behind the head (scrubbing shows
+// recorded frames); playing goes through the recording and on at the head. A live input behind the head makes a new future:
+// the state is restored from the checkpoint before, stepped to what is shown, and the recording after it is dropped.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ugoki/base/result.h"
+#include "ugoki/studio/recording.h"
+#include "ugoki/studio/simulation.h"
+
+namespace ugoki::studio {
+
+/// Where the interpreter's frames and messages go. Neither may wait for a reader.
+class InterpreterSink {
+ public:
+  virtual ~InterpreterSink() = default;
+  virtual void frame(std::span<const std::byte> bytes) = 0;
+  virtual void message(std::string json) = 0;  ///< an event of docs/studio-protocol.md
+};
+
+enum class PlayMode : std::uint8_t { edit, simulate };
+
+class Interpreter {
+ public:
+  /// @param seconds the time now, from any start; only differences count
+  Interpreter(SimulationOpener opener, InterpreterSink& sink, std::function<double()> seconds);
+
+  /// Plays other executable data from now on. The time stays; in simulate mode the content is simulated up to it again,
+  /// with the live inputs if the cast is the same, where that takes less than about three seconds. An error leaves what is.
+  [[nodiscard]] Result<void> load(std::span<const std::byte> executable);
+
+  [[nodiscard]] Result<void> set_mode(PlayMode mode);
+  [[nodiscard]] Result<void> play(std::optional<double> speed);  ///< from the start if it stands at the end
+  [[nodiscard]] Result<void> pause();
+  [[nodiscard]] Result<void> step_frames(int frames);  ///< display frames, forwards or back; pauses
+  [[nodiscard]] Result<void> seek(double time);
+  [[nodiscard]] Result<void> restart();
+  /// @param link index as text, or name, or label
+  [[nodiscard]] Result<void> grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target);
+  [[nodiscard]] Result<void> drag(const Vec3& target);
+  [[nodiscard]] Result<void> release();
+  [[nodiscard]] Result<void> push(std::string_view character, std::string_view link, const Vec3& force, double duration);
+
+  /// Does some milliseconds of what is due. @return s until there is more to do; infinity: nothing until a call
+  double work();
+
+  [[nodiscard]] PlayMode mode() const { return mode_; }
+  [[nodiscard]] bool playing() const { return playing_; }
+  [[nodiscard]] double time() const { return shown_; }
+  [[nodiscard]] double simulated() const;
+  [[nodiscard]] std::uint64_t head_digest() const;  ///< of the whole state at the head; for tests
+
+ private:
+  enum class Goal : std::uint8_t { none, tick, seek };
+
+  [[nodiscard]] Result<void> require_content() const;
+  [[nodiscard]] Result<LiveInput> link_input(std::string_view character, std::string_view link) const;
+  [[nodiscard]] Result<void> live_input(LiveInput input);
+  void apply(const LiveInput& input);
+  void apply_due_inputs();
+  [[nodiscard]] double realtime_factor() const;
+  void begin_recording();
+  [[nodiscard]] Result<void> truncate(std::int64_t step);
+  [[nodiscard]] bool advance_head();          ///< one step; false: it blew up and was stopped
+  void record_head();
+  void set_goal(Goal goal, std::int64_t step);
+  bool work_on_goal();                        ///< true: reached or given up
+  void tick();
+  void show_edit(double time);
+  void show_recorded(double time);
+  void show_head();
+  void send(std::span<std::byte> bytes, double time, bool live);
+  void anchor();
+  void finish_play();
+  void stop(const Error& error);
+  void report_transport();
+  void report_summary();
+  void report_in_time();
+  [[nodiscard]] std::int64_t step_at(double time) const;
+  [[nodiscard]] double time_of(std::int64_t step) const;
+  [[nodiscard]] double head_time() const;
+
+  SimulationOpener opener_;
+  InterpreterSink& sink_;
+  std::function<double()> seconds_;
+
+  std::unique_ptr<Simulation> simulation_;
+  std::optional<Recording> recording_;
+  PlayMode mode_ = PlayMode::edit;
+  bool playing_ = false;
+  bool blown_up_ = false;
+  double speed_ = 1;
+  double shown_ = 0;              ///< s, what the page sees
+  Goal goal_ = Goal::none;
+  std::int64_t goal_step_ = 0;
+  std::size_t next_input_ = 0;    ///< first recorded input that the head has not seen
+  double anchor_seconds_ = 0, anchor_time_ = 0;
+  std::int64_t ticks_ = 0;        ///< display ticks since the anchor
+  double computed_seconds_ = 0;   ///< spent in the newest steps, and how many they were
+  double computed_steps_ = 0;
+  double transport_reported_ = -1, summary_reported_ = -1;
+  bool summary_due_ = false;
+  std::string status_ = "ready";
+  std::vector<std::byte> frame_;
+};
+
+}  // namespace ugoki::studio

@@ -1,0 +1,146 @@
+#include "ugoki/studio/interpreter_child.h"
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <deque>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "ugoki/studio/channel.h"
+#include "ugoki/studio/error_json.h"
+#include "ugoki/studio/frame_ring.h"
+#include "ugoki/studio/interpreter.h"
+
+namespace ugoki::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+double seconds_now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+class ChildSink final : public InterpreterSink {
+ public:
+  ChildSink(Channel& control, FrameRing& ring) : control_(control), ring_(ring) {}
+
+  void frame(std::span<const std::byte> bytes) override {
+    if (!ring_.write(bytes)) {
+      if (!told_) message(R"({"event":"log","level":"error","text":"The scene has too many links or contacts to be shown."})");
+      told_ = true;
+      return;
+    }
+    const std::uint64_t one = 1;
+    // The signal never blocks: a full counter means that the reader has been called already.
+    [[maybe_unused]] const ssize_t n = ::write(child_file::signal, &one, sizeof one);
+  }
+  void message(std::string json) override {
+    if (!control_.send(json)) _exit(0);  // the studio is gone
+  }
+
+ private:
+  Channel& control_;
+  FrameRing& ring_;
+  bool told_ = false;
+};
+
+/// Messages from the studio. The thread that reads them ends the process with the studio, whatever the simulation is doing.
+class Inbox {
+ public:
+  explicit Inbox(Channel& control) {
+    std::thread([this, &control] {
+      while (std::optional<ChannelMessage> message = control.receive()) {
+        const std::scoped_lock lock(mutex_);
+        messages_.push_back(std::move(*message));
+        arrived_.notify_one();
+      }
+      _exit(0);
+    }).detach();
+  }
+  /// The next message; waits for it at most `seconds`.
+  std::optional<ChannelMessage> take(double seconds) {
+    std::unique_lock lock(mutex_);
+    const auto some = [this] { return !messages_.empty(); };
+    if (!some() && seconds > 0) arrived_.wait_for(lock, std::chrono::duration<double>(std::min(seconds, 3600.0)), some);
+    if (!some()) return std::nullopt;
+    ChannelMessage message = std::move(messages_.front());
+    messages_.pop_front();
+    return message;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::deque<ChannelMessage> messages_;
+};
+
+/// Fields of a request; the studio has checked their types.
+std::string text_of(const Json& request, const char* key) {
+  const auto it = request.find(key);
+  return it != request.end() && it->is_string() ? it->get<std::string>() : std::string();
+}
+double number_of(const Json& request, const char* key, double otherwise = 0) {
+  const auto it = request.find(key);
+  return it != request.end() && it->is_number() ? it->get<double>() : otherwise;
+}
+Vec3 vec3_of(const Json& request, const char* key) {
+  const auto it = request.find(key);
+  if (it == request.end() || !it->is_array() || it->size() != 3) return {};
+  const auto part = [&](std::size_t i) { return (*it)[i].is_number() ? (*it)[i].get<double>() : 0.0; };
+  return {part(0), part(1), part(2)};
+}
+
+Result<void> serve(Interpreter& interpreter, const Json& request, const std::vector<std::byte>& block) {
+  const std::string op = text_of(request, "op");
+  if (op == "ping") return {};
+  if (op == "load") return interpreter.load(block);
+  if (op == "mode") return interpreter.set_mode(text_of(request, "mode") == "simulate" ? PlayMode::simulate : PlayMode::edit);
+  if (op == "play") return interpreter.play(request.contains("speed") ? std::optional(number_of(request, "speed")) : std::nullopt);
+  if (op == "pause") return interpreter.pause();
+  if (op == "step") return interpreter.step_frames(static_cast<int>(number_of(request, "frames", 1)));
+  if (op == "seek") return interpreter.seek(number_of(request, "time"));
+  if (op == "restart") return interpreter.restart();
+  if (op == "drag") return interpreter.drag(vec3_of(request, "target"));
+  if (op == "release") return interpreter.release();
+  const std::string character = text_of(request, "character"), link = text_of(request, "link");
+  if (op == "grab") return interpreter.grab(character, link, vec3_of(request, "point"), vec3_of(request, "target"));
+  if (op == "push") return interpreter.push(character, link, vec3_of(request, "force"), number_of(request, "duration"));
+  return fail(ErrorCode::unknown, "op", "The interpreter knows no \"" + op + "\".", "This is a fault of the program; report it.");
+}
+
+}  // namespace
+
+int run_interpreter(SimulationOpener opener) {
+  std::signal(SIGPIPE, SIG_IGN);
+  Result<FrameRing> ring = FrameRing::attach(child_file::frames);
+  if (!ring) {
+    std::fprintf(stderr, "%s\n", ring.error().text().c_str());
+    return 1;
+  }
+  // The reading thread lives as long as the process, so what it uses must too: the process ends by _exit only.
+  static Channel control(child_file::control);
+  static Inbox inbox(control);
+  ChildSink sink(control, *ring);
+  Interpreter interpreter(opener, sink, seconds_now);
+  double wait = 0;
+  while (true) {
+    while (std::optional<ChannelMessage> message = inbox.take(wait)) {
+      wait = 0;
+      const Json request = Json::parse(message->text, nullptr, false);
+      const Result<void> done = serve(interpreter, request, message->block);
+      const auto id = request.find("request");
+      if (id == request.end()) continue;
+      std::string reply = "{\"reply\":" + id->dump() + ",\"ok\":" + (done ? "true" : "false");
+      if (!done) reply += ",\"error\":" + error_json(done.error());
+      sink.message(reply + "}");
+    }
+    wait = interpreter.work();
+  }
+}
+
+}  // namespace ugoki::studio

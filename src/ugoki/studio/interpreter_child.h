@@ -1,0 +1,15 @@
+#pragma once
+// The interpreter's process. Its control socket, frame ring and frame signal are handed down as open files.
+
+#include "ugoki/studio/simulation.h"
+
+namespace ugoki::studio {
+
+namespace child_file {
+inline constexpr int control = 3, frames = 4, signal = 5;
+}
+
+/// Serves until the studio closes the control socket. @return exit status
+int run_interpreter(SimulationOpener opener);
+
+}  // namespace ugoki::studio

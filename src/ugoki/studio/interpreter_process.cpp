@@ -1,0 +1,127 @@
+#include "ugoki/studio/interpreter_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/eventfd.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+#include "ugoki/studio/interpreter_child.h"
+
+namespace ugoki::studio {
+namespace {
+
+constexpr std::chrono::milliseconds send_limit{3000};  // the child's inbox is read by a thread that does nothing else
+
+/// A copy of `fd` above the numbers that the child expects, so that none overwrites another.
+int raised(int fd) { return fcntl(fd, F_DUPFD_CLOEXEC, 16); }
+
+}  // namespace
+
+Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const InterpreterProgram& program, InterpreterEvents events) {
+  Result<std::pair<Channel, Channel>> ends = Channel::make_pair();
+  if (!ends) return fail(std::move(ends.error()));
+  Result<FrameRing> ring = FrameRing::make();
+  if (!ring) return fail(std::move(ring.error()));
+  const int signal = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  const int handed[3] = {raised(ends->second.fd()), raised(ring->fd()), raised(signal)};
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, handed[0], child_file::control);
+  posix_spawn_file_actions_adddup2(&actions, handed[1], child_file::frames);
+  posix_spawn_file_actions_adddup2(&actions, handed[2], child_file::signal);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setpgroup(&attributes, 0);  // Ctrl+C on the terminal is for the studio, which then ends the child
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+
+  std::vector<char*> arguments = {const_cast<char*>(program.path.c_str())};
+  for (const std::string& a : program.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
+  arguments.push_back(nullptr);
+  pid_t pid = -1;
+  const int error = posix_spawn(&pid, program.path.c_str(), &actions, &attributes, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  posix_spawnattr_destroy(&attributes);
+  for (const int fd : handed) close(fd);
+  if (error != 0) {
+    close(signal);
+    return fail(ErrorCode::io, program.path, std::string("The interpreter cannot be started: ") + std::strerror(error) + ".",
+                "See that the program is where it was and may be run.");
+  }
+  ends->first.set_send_limit(send_limit);
+  return std::unique_ptr<InterpreterProcess>(
+      new InterpreterProcess(std::move(ends->first), std::move(*ring), signal, pid, std::move(events)));
+}
+
+InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, int signal, int pid, InterpreterEvents events)
+    : control_(std::move(control)), ring_(std::move(ring)), signal_(signal), pid_(pid), events_(std::move(events)), thread_([this] { listen(); }) {}
+
+InterpreterProcess::~InterpreterProcess() {
+  ending_ = true;
+  control_.shut();
+  thread_.join();
+  close(signal_);
+}
+
+void InterpreterProcess::kill_unanswering() {
+  unanswering_ = true;
+  control_.shut();
+}
+
+void InterpreterProcess::listen() {
+  pollfd files[2] = {{control_.fd(), POLLIN, 0}, {signal_, POLLIN, 0}};
+  while (true) {
+    if (::poll(files, 2, -1) < 0) {
+      if (errno == EINTR) continue;
+      break;
+    }
+    // Frames first: those that a message is about are in the ring before the message is in the socket.
+    if ((files[1].revents & POLLIN) != 0 || files[0].revents != 0) {
+      std::uint64_t count = 0;
+      [[maybe_unused]] const ssize_t n = ::read(signal_, &count, sizeof count);
+      while (std::optional<std::vector<std::byte>> frame = ring_.read()) {
+        if (!ending_) events_.frame(std::move(*frame));
+      }
+    }
+    if (files[0].revents == 0) continue;
+    std::optional<ChannelMessage> message = control_.receive();
+    if (!message) break;
+    if (!ending_) events_.message(std::move(message->text));
+  }
+  const std::string reason = wait_for_end();
+  if (!ending_) events_.ended(reason);
+}
+
+std::string InterpreterProcess::wait_for_end() {
+  int status = 0;
+  pid_t got = 0;
+  for (int i = 0; i < 100 && got == 0; ++i) {  // it ends by itself when the socket closes
+    got = waitpid(pid_, &status, WNOHANG);
+    if (got == 0) std::this_thread::sleep_for(std::chrono::milliseconds(unanswering_ ? 1 : 10));
+  }
+  if (got == 0) {
+    ::kill(pid_, SIGKILL);
+    while ((got = waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
+    }
+  }
+  if (unanswering_) return "The interpreter did not answer any more and was ended. The project is safe; play to start it again.";
+  std::string how = "ended";
+  if (got == pid_ && WIFSIGNALED(status)) {
+    how = "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";
+  } else if (got == pid_ && WIFEXITED(status)) {
+    how = "ended with status " + std::to_string(WEXITSTATUS(status));
+  }
+  return "The interpreter " + how + ". The project is safe; play to start it again.";
+}
+
+}  // namespace ugoki::studio

@@ -1,0 +1,393 @@
+#include "ugoki/studio/interpreter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "fake_simulation.h"
+#include "ugoki/studio/frame.h"
+
+namespace ugoki::studio {
+namespace {
+
+using nlohmann::json;
+using test::Frame;
+using test::parse_frame;
+
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text.data(), text.size())); }
+
+class Collector final : public InterpreterSink {
+ public:
+  void frame(std::span<const std::byte> bytes) override {
+    frames.push_back(parse_frame(bytes));
+    EXPECT_TRUE(frames.back().good);
+  }
+  void message(std::string text) override { messages.push_back(json::parse(text)); }
+
+  [[nodiscard]] int count(const std::string& event) const {
+    return static_cast<int>(std::ranges::count_if(messages, [&](const json& m) { return m["event"] == event; }));
+  }
+  [[nodiscard]] json last(const std::string& event) const {
+    for (auto it = messages.rbegin(); it != messages.rend(); ++it) {
+      if ((*it)["event"] == event) return *it;
+    }
+    return {};
+  }
+
+  std::vector<Frame> frames;
+  std::vector<json> messages;
+};
+
+/// An interpreter whose clock goes only when the test says so.
+class InterpreterTest : public testing::Test {
+ protected:
+  static std::string content(const std::string& more = "") {
+    return R"({"step":0.002,"duration":4,"rate":60,"cast":[{"id":"a","links":3},{"id":"b","links":1}])" + more + "}";
+  }
+  void open(const std::string& text) {
+    const Result<void> r = interpreter.load(bytes_of(text));
+    ASSERT_TRUE(r) << r.error().text();
+  }
+  void open() { open(content()); }
+  /// Lets `seconds` pass in small parts.
+  void pass(double seconds) {
+    const double end = now + seconds;
+    while (now < end) {
+      const double wait = interpreter.work();
+      now += std::min(std::max(wait, 1e-5), end - now + 1e-9);
+    }
+    settle();
+  }
+  /// Does what is due without letting time pass (but for the work's own slices).
+  void settle() {
+    for (int i = 0; i < 100000 && interpreter.work() == 0; ++i) {
+    }
+  }
+  const Frame& shown() { return sink.frames.back(); }
+
+  double now = 100;
+  Collector sink;
+  Interpreter interpreter{test::open_fake_simulation, sink, [this] { return now; }};
+};
+
+TEST_F(InterpreterTest, EverythingIsRefusedInWordsWithoutContent) {
+  for (const Result<void>& r : {interpreter.play(std::nullopt), interpreter.pause(), interpreter.seek(1), interpreter.restart(),
+                                interpreter.set_mode(PlayMode::simulate), interpreter.grab("a", "0", {}, {}), interpreter.release()}) {
+    ASSERT_FALSE(r);
+    EXPECT_FALSE(r.error().problems[0].remedy.empty());
+  }
+  EXPECT_TRUE(std::isinf(interpreter.work()));
+  EXPECT_FALSE(interpreter.load(bytes_of("not json")));
+}
+
+TEST_F(InterpreterTest, FramesHaveTheDocumentedLayout) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.grab("b", "0", {}, {7, 0, 1}));
+  const Frame& f = shown();
+  EXPECT_EQ(f.flags, frame_flag::simulate | frame_flag::live | frame_flag::grab);
+  EXPECT_EQ(f.grab[3], 7);
+  ASSERT_EQ(f.characters.size(), 2u);
+  ASSERT_EQ(f.characters[0].links.size(), 3u);
+  ASSERT_EQ(f.characters[1].links.size(), 1u);
+  EXPECT_EQ(f.characters[0].assist_moment[2], 6);
+  EXPECT_EQ(f.characters[0].assist_over_cap, 0.25f);
+  EXPECT_EQ(f.characters[0].weight, 700);
+  EXPECT_EQ(f.characters[0].links[2][1], 2);
+  EXPECT_NEAR(f.characters[0].links[2][3], std::cos(0.25), 1e-6);
+  EXPECT_NEAR(f.characters[0].links[2][6], std::sin(0.25), 1e-6);
+  ASSERT_EQ(f.contacts.size(), 1u);
+  EXPECT_EQ(f.contacts[0].force[2], 700);
+}
+
+TEST_F(InterpreterTest, EditShowsPosesAndPlaysThem) {
+  open();
+  ASSERT_TRUE(interpreter.seek(1.5));
+  EXPECT_DOUBLE_EQ(shown().time, 1.5);
+  EXPECT_EQ(shown().number, 90u);
+  EXPECT_EQ(shown().flags, 0u);
+  EXPECT_EQ(shown().characters[0].state, 3u);
+  EXPECT_FLOAT_EQ(shown().characters[0].links[0][0], 15);
+  ASSERT_TRUE(interpreter.step_frames(1));
+  EXPECT_EQ(shown().number, 91u);
+  ASSERT_TRUE(interpreter.step_frames(-1));
+  ASSERT_TRUE(interpreter.step_frames(-1));
+  EXPECT_EQ(shown().number, 89u);
+  ASSERT_TRUE(interpreter.seek(-5));
+  EXPECT_EQ(shown().time, 0);
+  ASSERT_TRUE(interpreter.seek(1000));
+  EXPECT_EQ(shown().time, 4);
+  EXPECT_FALSE(interpreter.seek(std::nan("")));
+  ASSERT_TRUE(interpreter.play(std::nullopt));  // at the end: from the start
+  pass(1);
+  EXPECT_NEAR(shown().time, 1, 0.02);
+  EXPECT_EQ(shown().flags, frame_flag::playing);
+  pass(4);
+  EXPECT_EQ(shown().time, 4);
+  EXPECT_FALSE(interpreter.playing());
+  EXPECT_EQ(sink.last("transport")["status"], "end");
+  EXPECT_EQ(interpreter.simulated(), 0);
+  EXPECT_FALSE(interpreter.grab("a", "0", {}, {}));
+}
+
+TEST_F(InterpreterTest, PlaysSixtyFramesASecondOfSimulatedTime) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  sink.frames.clear();
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(2.001);
+  ASSERT_GE(sink.frames.size(), 119u);
+  EXPECT_LE(sink.frames.size(), 122u);
+  for (std::size_t i = 1; i < sink.frames.size(); ++i) EXPECT_EQ(sink.frames[i].number, sink.frames[i - 1].number + 1);
+  EXPECT_NEAR(interpreter.simulated(), 2, 0.02);
+  EXPECT_GE(sink.count("transport"), 4);
+  EXPECT_LE(sink.count("transport"), 8);
+  EXPECT_GE(sink.count("summary"), 6);
+  EXPECT_LE(sink.count("summary"), 10);
+  const json contacts = sink.last("summary")["contacts"];
+  EXPECT_EQ(contacts[0]["feet"], 2);
+  EXPECT_EQ(contacts[0]["character"], "a");
+  EXPECT_NEAR(contacts[0]["to"].get<double>(), 0.5, 0.02);
+  EXPECT_EQ(contacts[1]["feet"], 1);
+  ASSERT_TRUE(interpreter.pause());
+  EXPECT_EQ(shown().flags, frame_flag::simulate | frame_flag::live);
+}
+
+TEST_F(InterpreterTest, SlowMotionAndFastForwardShowSixtyFramesASecondToo) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  EXPECT_FALSE(interpreter.play(0.0));
+  EXPECT_FALSE(interpreter.play(100.0));
+  EXPECT_FALSE(interpreter.play(std::nan("")));
+  ASSERT_TRUE(interpreter.play(0.25));
+  sink.frames.clear();
+  pass(2.001);
+  EXPECT_NEAR(static_cast<double>(sink.frames.size()), 120, 2);
+  EXPECT_NEAR(interpreter.simulated(), 0.5, 0.02);
+  ASSERT_TRUE(interpreter.play(4.0));
+  sink.frames.clear();
+  pass(0.5);
+  EXPECT_NEAR(static_cast<double>(sink.frames.size()), 30, 2);
+  EXPECT_NEAR(interpreter.simulated(), 2.5, 0.08);
+}
+
+TEST_F(InterpreterTest, ScrubbingShowsWhatWasRecordedAndPlayingGoesOnFromThere) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(2);
+  ASSERT_TRUE(interpreter.pause());
+  const double head = interpreter.simulated();
+  const std::uint64_t digest = interpreter.head_digest();
+  ASSERT_TRUE(interpreter.seek(1));
+  EXPECT_EQ(shown().number, 60u);
+  EXPECT_EQ(shown().flags, frame_flag::simulate);  // not live
+  const float there = shown().characters[0].links[0][0];
+  ASSERT_TRUE(interpreter.step_frames(-1));
+  EXPECT_EQ(shown().number, 59u);
+  EXPECT_LT(shown().characters[0].links[0][0], there);
+  ASSERT_TRUE(interpreter.step_frames(1));
+  EXPECT_EQ(shown().characters[0].links[0][0], there);
+  EXPECT_EQ(interpreter.simulated(), head);
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(0.5);
+  EXPECT_EQ(shown().flags, frame_flag::simulate | frame_flag::playing);
+  EXPECT_EQ(interpreter.head_digest(), digest);
+  pass(1);
+  EXPECT_GT(interpreter.simulated(), head);
+  EXPECT_EQ(shown().flags, frame_flag::simulate | frame_flag::playing | frame_flag::live);
+  EXPECT_NEAR(shown().time, 2.5, 0.02);
+}
+
+TEST_F(InterpreterTest, SeekingAheadSimulatesAndSteppingEqualsPlaying) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.seek(3));
+  EXPECT_EQ(sink.last("transport")["status"], "simulating");
+  settle();
+  EXPECT_EQ(shown().number, 180u);
+  EXPECT_EQ(sink.last("transport")["status"], "paused");
+  const std::uint64_t sought = interpreter.head_digest();
+  ASSERT_TRUE(interpreter.restart());
+  EXPECT_EQ(interpreter.simulated(), 0);
+  EXPECT_EQ(shown().number, 0u);
+  for (int i = 0; i < 180; ++i) {
+    ASSERT_TRUE(interpreter.step_frames(1));
+    settle();
+    EXPECT_EQ(shown().number, static_cast<std::uint32_t>(i + 1));
+  }
+  EXPECT_EQ(interpreter.head_digest(), sought);
+}
+
+TEST_F(InterpreterTest, LiveInputsAreRecordedAndReplayToTheSameBits) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(0.5);
+  const std::uint64_t untouched = interpreter.head_digest();
+  ASSERT_TRUE(interpreter.push("a", "chest", {1000, 0, 0}, 0.2));
+  pass(0.3);
+  ASSERT_TRUE(interpreter.grab("b", "0", {}, {-3, 0, 1}));
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(interpreter.drag({-3.0 - i, 0, 1}));
+    pass(0.01);
+  }
+  ASSERT_TRUE(interpreter.release());
+  pass(0.3);
+  ASSERT_TRUE(interpreter.pause());
+  const std::uint64_t digest = interpreter.head_digest();
+  const double head = interpreter.simulated();
+  EXPECT_NE(digest, untouched);
+  // The same content again, simulated anew up to here with what the user did.
+  open();
+  settle();
+  EXPECT_DOUBLE_EQ(interpreter.simulated(), head);
+  EXPECT_EQ(interpreter.head_digest(), digest);
+  // Other content: the same inputs, another wind.
+  open(content(R"(,"wind":2)"));
+  settle();
+  EXPECT_DOUBLE_EQ(interpreter.simulated(), head);
+  EXPECT_NE(interpreter.head_digest(), digest);
+  open();
+  settle();
+  EXPECT_EQ(interpreter.head_digest(), digest);
+  // Another cast: what the user did is forgotten.
+  open(R"({"step":0.002,"duration":4,"rate":60,"cast":[{"id":"a","links":3}]})");
+  open();
+  settle();
+  EXPECT_DOUBLE_EQ(interpreter.simulated(), head);
+  EXPECT_NE(interpreter.head_digest(), digest);
+}
+
+TEST_F(InterpreterTest, AnInputBehindTheHeadMakesANewFuture) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(1);
+  ASSERT_TRUE(interpreter.push("a", "0", {500, 0, 0}, 0.1));
+  pass(1.3);
+  ASSERT_TRUE(interpreter.pause());
+  ASSERT_TRUE(interpreter.seek(0.8));
+  ASSERT_TRUE(interpreter.push("a", "0", {-500, 0, 0}, 0.1));
+  EXPECT_NEAR(interpreter.simulated(), 0.8, 0.003);
+  ASSERT_TRUE(interpreter.seek(2));
+  settle();
+  const std::uint64_t digest = interpreter.head_digest();
+  // The same without the detour.
+  ASSERT_TRUE(interpreter.restart());
+  ASSERT_TRUE(interpreter.seek(0.8));
+  settle();
+  ASSERT_TRUE(interpreter.push("a", "0", {-500, 0, 0}, 0.1));
+  ASSERT_TRUE(interpreter.seek(2));
+  settle();
+  EXPECT_EQ(interpreter.head_digest(), digest);
+}
+
+TEST_F(InterpreterTest, WrongInputsAreRefusedInWords) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  const auto place = [](const Result<void>& r) { return r ? std::string("accepted") : r.error().problems[0].place; };
+  EXPECT_EQ(place(interpreter.grab("nobody", "0", {}, {})), "character");
+  EXPECT_EQ(place(interpreter.grab("a", "3", {}, {})), "link");
+  EXPECT_EQ(place(interpreter.grab("a", "-1", {}, {})), "link");
+  EXPECT_EQ(place(interpreter.grab("a", "tail", {}, {})), "link");
+  EXPECT_EQ(place(interpreter.grab("a", "0", {std::nan(""), 0, 0}, {})), "target");
+  EXPECT_EQ(place(interpreter.push("a", "0", {1e9, 0, 0}, 0.1)), "force");
+  EXPECT_EQ(place(interpreter.push("a", "0", {1, 0, 0}, 0)), "force");
+  EXPECT_EQ(place(interpreter.drag({0, std::nan(""), 0})), "target");
+  EXPECT_EQ(place(interpreter.drag({1, 0, 0})), "accepted");  // late, after a release: nothing happens
+  EXPECT_FALSE(shown().flags & frame_flag::grab);
+}
+
+TEST_F(InterpreterTest, ABlownUpSimulationStopsAndItsRecordingStays) {
+  open(content(R"(,"blow_up":1)"));
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(2);
+  EXPECT_FALSE(interpreter.playing());
+  ASSERT_EQ(sink.count("stopped"), 1);
+  EXPECT_NE(sink.last("stopped")["reason"].get<std::string>().find("joint hip"), std::string::npos);
+  EXPECT_NEAR(interpreter.simulated(), 1, 0.003);
+  EXPECT_FALSE(interpreter.play(std::nullopt));
+  ASSERT_TRUE(interpreter.seek(0.5));
+  EXPECT_EQ(shown().number, 30u);
+  ASSERT_TRUE(interpreter.play(std::nullopt));  // the recording up to there
+  pass(1);
+  EXPECT_FALSE(interpreter.playing());
+  open();  // mended
+  settle();
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(1);
+  EXPECT_GT(interpreter.simulated(), 1.5);
+}
+
+TEST_F(InterpreterTest, EditsWhileItPlaysGoOnPlaying) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  pass(1);
+  open(content(R"(,"wind":3)"));
+  pass(0.5);
+  EXPECT_TRUE(interpreter.playing());
+  EXPECT_NEAR(interpreter.simulated(), 1.5, 0.05);
+  const std::uint64_t digest = interpreter.head_digest();
+  const auto steps = std::llround(interpreter.simulated() / 0.002);
+  ASSERT_TRUE(interpreter.pause());
+  ASSERT_TRUE(interpreter.restart());
+  ASSERT_TRUE(interpreter.seek(static_cast<double>(steps) * 0.002));
+  settle();
+  EXPECT_EQ(interpreter.head_digest(), digest);
+  // A content that is shorter than where it stood.
+  open(R"({"duration":0.5,"cast":[{"id":"a","links":3}]})");
+  settle();
+  EXPECT_LE(interpreter.time(), 0.5);
+}
+
+TEST_F(InterpreterTest, SwitchingToSimulateComesToWhereEditStood) {
+  open();
+  ASSERT_TRUE(interpreter.seek(2));
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  settle();
+  EXPECT_NEAR(shown().time, 2, 0.002);
+  EXPECT_EQ(shown().characters[0].state, 0u);
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::edit));
+  EXPECT_EQ(shown().characters[0].state, 3u);
+  ASSERT_TRUE(interpreter.seek(1));
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  EXPECT_EQ(shown().number, 60u);
+  EXPECT_NEAR(interpreter.simulated(), 2, 0.002);
+}
+
+TEST_F(InterpreterTest, OtherFrameRatesStepByTheirOwnFrames) {
+  for (const int rate : {24, 25, 30, 50, 120}) {
+    open(R"({"rate":)" + std::to_string(rate) + R"(,"duration":2,"cast":[{"id":"a","links":1}]})");
+    ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+    ASSERT_TRUE(interpreter.restart());
+    for (int i = 1; i <= rate; ++i) {
+      ASSERT_TRUE(interpreter.step_frames(1));
+      settle();
+      ASSERT_EQ(shown().number, static_cast<std::uint32_t>(i)) << rate;
+    }
+    for (int i = rate - 1; i >= 0; --i) {
+      ASSERT_TRUE(interpreter.step_frames(-1));
+      ASSERT_EQ(shown().number, static_cast<std::uint32_t>(i)) << rate;
+    }
+  }
+}
+
+TEST_F(InterpreterTest, AComputerThatIsTooSlowSlowsTheContentAndNothingElse) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.play(std::nullopt));
+  for (int i = 0; i < 50; ++i) {  // the process gets the processor once in half a second
+    now += 0.5;
+    interpreter.work();
+    settle();
+  }
+  EXPECT_TRUE(interpreter.playing());
+  EXPECT_LT(interpreter.simulated(), 4);
+}
+
+}  // namespace
+}  // namespace ugoki::studio
