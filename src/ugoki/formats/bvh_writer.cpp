@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/formats/bvh.h"
+#include "ugoki/formats/file_axes.h"
+
+namespace ugoki::formats {
+namespace {
+
+/// Three different axes of the file, the outermost rotation first.
+struct Order {
+  int axis[3];
+};
+
+Order order_of(const std::string& letters) {
+  Order order{{2, 0, 1}};
+  bool used[3] = {false, false, false};
+  int found[3] = {};
+  int n = 0;
+  for (const char c : letters) {
+    const int a = c == 'X' ? 0 : c == 'Y' ? 1 : c == 'Z' ? 2 : -1;
+    if (a < 0 || used[a] || n == 3) return order;  // not an order of different axes: ZXY
+    used[a] = true;
+    found[n++] = a;
+  }
+  for (const int a : {2, 0, 1})  // fewer than three: the others follow innermost
+    if (!used[a]) found[n++] = a;
+  return {{found[0], found[1], found[2]}};
+}
+
+double rounded(double value, double scale) { return std::round(value * scale) / scale; }
+
+class Writer {
+ public:
+  Writer(const MeasuredMotion& motion, const BvhWriteOptions& options)
+      : motion_(motion), joints_(motion.skeleton.joints), axes_{options.z_up}, decimals_(std::clamp(options.decimals, 1, 15)) {
+    const double unit = options.metres_per_unit > 0 ? options.metres_per_unit : motion.skeleton.unit;
+    per_metre_ = unit > 0 && std::isfinite(unit) ? 1 / unit : 1;
+    for (int i = 0; i < decimals_; ++i) scale_ *= 10;
+    children_.resize(joints_.size());
+    for (std::size_t i = 0; i < joints_.size(); ++i)
+      if (joints_[i].parent >= 0) children_[static_cast<std::size_t>(joints_[i].parent)].push_back(i);
+    for (const SkeletonJoint& j : joints_) orders_.push_back(order_of(j.rotation_order));
+    last_.resize(joints_.size());
+  }
+
+  std::string write() {
+    sequence_.reserve(joints_.size());
+    out_.reserve(joints_.size() * 200 + static_cast<std::size_t>(motion_.frames) * joints_.size() * 40);
+    write_hierarchy();
+    out_ += "MOTION\nFrames: " + std::to_string(motion_.frames) + "\nFrame Time: " + to_text(1 / motion_.rate) + "\n";
+    for (int f = 0; f < motion_.frames; ++f) write_frame(static_cast<std::size_t>(f));
+    return std::move(out_);
+  }
+
+ private:
+  bool has_position(std::size_t i) const { return joints_[i].parent < 0 || joints_[i].translates; }
+
+  void indent(std::size_t depth) { out_.append(depth, '\t'); }
+
+  void add_number(double value) {
+    char buffer[400];
+    if (!std::isfinite(value)) value = 0;
+    auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals_);
+    while (end[-1] == '0') --end;
+    if (end[-1] == '.') --end;
+    const std::string_view digits(buffer, static_cast<std::size_t>(end - buffer));
+    out_ += digits == "-0" ? std::string_view("0") : digits;
+  }
+
+  void add_vector(const Vec3& metres) {
+    const Vec3 v = axes_.to_file(metres) * per_metre_;
+    for (int i = 0; i < 3; ++i) {
+      out_ += ' ';
+      add_number(v[i]);
+    }
+  }
+
+  std::string clean_name(std::size_t i) const {
+    std::string name;
+    for (const char c : joints_[i].name) name += c == '{' || c == '}' || c == '\n' || c == '\r' || c == '\t' ? '_' : c;
+    while (!name.empty() && name.back() == ' ') name.pop_back();
+    return name.empty() ? "joint" + std::to_string(i + 1) : name;
+  }
+
+  /// Depth first, so that the order of the numbers is the order of the joints in the text; no recursion.
+  void write_hierarchy() {
+    struct Visit {
+      std::size_t joint, next_child;
+    };
+    std::vector<Visit> stack;
+    out_ += "HIERARCHY\n";
+    for (std::size_t root = 0; root < joints_.size(); ++root) {
+      if (joints_[root].parent >= 0) continue;
+      open(root, 0);
+      stack.push_back({root, 0});
+      while (!stack.empty()) {
+        Visit& top = stack.back();
+        if (top.next_child < children_[top.joint].size()) {
+          const std::size_t child = children_[top.joint][top.next_child++];
+          open(child, stack.size());
+          stack.push_back({child, 0});
+        } else {
+          stack.pop_back();
+          indent(stack.size());
+          out_ += "}\n";
+        }
+      }
+    }
+  }
+
+  void open(std::size_t i, std::size_t depth) {
+    sequence_.push_back(i);
+    indent(depth);
+    out_ += (depth == 0 ? "ROOT " : "JOINT ") + clean_name(i) + "\n";
+    indent(depth);
+    out_ += "{\n";
+    indent(depth + 1);
+    out_ += "OFFSET";
+    add_vector(joints_[i].offset);
+    out_ += '\n';
+    indent(depth + 1);
+    out_ += has_position(i) ? "CHANNELS 6 Xposition Yposition Zposition" : "CHANNELS 3";
+    for (const int a : orders_[i].axis) {
+      out_ += ' ';
+      out_ += "XYZ"[a];
+      out_ += "rotation";
+    }
+    out_ += '\n';
+    for (const Vec3& e : joints_[i].end_sites) {
+      indent(depth + 1);
+      out_ += "End Site\n";
+      indent(depth + 1);
+      out_ += "{\n";
+      indent(depth + 2);
+      out_ += "OFFSET";
+      add_vector(e);
+      out_ += '\n';
+      indent(depth + 1);
+      out_ += "}\n";
+    }
+  }
+
+  void write_frame(std::size_t frame) {
+    bool first = true;
+    for (const std::size_t i : sequence_) {
+      const std::size_t at = frame * joints_.size() + i;
+      if (has_position(i)) {
+        const Vec3 p = axes_.to_file(motion_.translations[at]) * per_metre_;
+        for (int k = 0; k < 3; ++k) {
+          if (!first) out_ += ' ';
+          first = false;
+          add_number(p[k]);
+        }
+      }
+      const Vec3 angles = angles_near(to_matrix(motion_.rotations[at]), orders_[i], frame == 0 ? Vec3{} : last_[i]);
+      last_[i] = angles;
+      for (int k = 0; k < 3; ++k) {
+        if (!first) out_ += ' ';
+        first = false;
+        add_number(angles[k]);
+      }
+    }
+    out_ += '\n';
+  }
+
+  /// Angles [deg], rounded as written, of R = R0(a0) R1(a1) R2(a2), nearest to `last`. Each angle is found from what the
+  /// rounded angles before it leave over, so that neither rounding nor the gimbal pole adds up.
+  Vec3 angles_near(const Mat3& R, const Order& order, const Vec3& last) const {
+    const int i = axes_.ours(order.axis[0]), j = axes_.ours(order.axis[1]), k = axes_.ours(order.axis[2]);
+    const double sign = (j - i + 3) % 3 == 1 ? 1.0 : -1.0;
+    const double jk = R.row(j)[k], kk = R.row(k)[k];
+    // At the pole, to within the rounding, the outer and the inner axis fall together: the outer angle stays where it was.
+    const double pole = 0.25 * (pi / 180) / scale_;
+    const double a0 = jk * jk + kk * kk > pole * pole ? atan2(-sign * jk, kk) * (180 / pi) : last.x;
+    const Vec3 one = solve(R, i, j, k, sign, a0, last);
+    const Vec3 two = solve(R, i, j, k, sign, a0 + 180, last);
+    return distance(one, last) <= distance(two, last) ? one : two;
+  }
+
+  Vec3 solve(const Mat3& R, int i, int j, int k, double sign, double a0, const Vec3& last) const {
+    const double first = rounded(near(a0, last.x), scale_);
+    Vec3 axis;
+    axis[i] = 1;
+    const Mat3 M = rotation_about(axis, -first * (pi / 180)) * R;  // = R1(a1) R2(a2)
+    const double a1 = atan2(sign * M.row(i)[k], M.row(k)[k]) * (180 / pi);
+    const double a2 = atan2(sign * M.row(j)[i], M.row(j)[j]) * (180 / pi);
+    return {first, rounded(near(a1, last.y), scale_), rounded(near(a2, last.z), scale_)};
+  }
+
+  /// The angle that differs from `angle` by whole turns and is nearest to `last` [deg].
+  static double near(double angle, double last) { return angle + 360 * std::round((last - angle) / 360); }
+  static double distance(const Vec3& a, const Vec3& b) { return std::fabs(a.x - b.x) + std::fabs(a.y - b.y) + std::fabs(a.z - b.z); }
+
+  const MeasuredMotion& motion_;
+  const std::vector<SkeletonJoint>& joints_;
+  FileAxes axes_;
+  int decimals_;
+  double per_metre_ = 1, scale_ = 1;
+  std::vector<std::vector<std::size_t>> children_;
+  std::vector<std::size_t> sequence_;  ///< joints in the order of the text
+  std::vector<Order> orders_;
+  std::vector<Vec3> last_;  ///< [joints] deg, of the frame before
+  std::string out_;
+};
+
+}  // namespace
+
+std::string write_bvh(const MeasuredMotion& motion, const BvhWriteOptions& options) { return Writer(motion, options).write(); }
+
+}  // namespace ugoki::formats

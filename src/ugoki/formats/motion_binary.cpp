@@ -1,0 +1,305 @@
+#include "ugoki/formats/motion_binary.h"
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "ugoki/base/hash.h"
+
+namespace ugoki::formats {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "bytes are written as they lie in memory");
+static_assert(sizeof(Vec3) == 24 && sizeof(Quat) == 32);
+
+constexpr std::string_view motion_mark = "UGOKIMOT";
+constexpr std::string_view measured_mark = "UGOKIMEA";
+constexpr std::uint32_t format_version = 1;
+constexpr std::size_t header_size = 32;  // mark 8, version 4, zero 4, payload size 8, checksum 8
+
+class ByteWriter {
+ public:
+  ByteWriter() : bytes_(header_size) {}
+
+  void raw(const void* data, std::size_t size) {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + size);
+    if (size > 0) std::memcpy(bytes_.data() + at, data, size);
+  }
+  void number(double v) { raw(&v, sizeof v); }
+  void count(std::uint64_t v) { raw(&v, sizeof v); }
+  void integer(std::int32_t v) { raw(&v, sizeof v); }
+  void flag(bool v) {
+    const std::uint8_t byte = v ? 1 : 0;
+    raw(&byte, 1);
+  }
+  void text(std::string_view v) {
+    count(v.size());
+    raw(v.data(), v.size());
+  }
+  void vector(const Vec3& v) { raw(&v, sizeof v); }
+
+  std::vector<std::byte> finish(std::string_view mark) {
+    Hash64 hash;
+    hash.add_bytes(bytes_.data() + header_size, bytes_.size() - header_size);
+    const std::uint64_t size = bytes_.size() - header_size, sum = hash.value();
+    std::memcpy(bytes_.data(), mark.data(), 8);
+    std::memcpy(bytes_.data() + 8, &format_version, 4);
+    std::memcpy(bytes_.data() + 16, &size, 8);
+    std::memcpy(bytes_.data() + 24, &sum, 8);
+    return std::move(bytes_);
+  }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+/// Reads in order; after the first failure everything reads as zero and good() is false.
+class ByteReader {
+ public:
+  ByteReader(std::span<const std::byte> bytes, std::string_view name) : bytes_(bytes), name_(name) {}
+
+  bool begin(std::string_view mark) {
+    constexpr const char* again = "Restore it from a backup, or import the motion again.";
+    if (bytes_.size() < header_size) return refuse(ErrorCode::truncated, "the data ends before its header does.", again);
+    if (std::memcmp(bytes_.data(), mark.data(), 8) != 0)
+      return refuse(ErrorCode::syntax, "the data is not a motion of this kind.", "Check what was stored here.");
+    std::uint32_t version = 0;
+    std::uint64_t size = 0, sum = 0;
+    std::memcpy(&version, bytes_.data() + 8, 4);
+    std::memcpy(&size, bytes_.data() + 16, 8);
+    std::memcpy(&sum, bytes_.data() + 24, 8);
+    if (version != format_version)
+      return refuse(ErrorCode::unsupported, "version " + std::to_string(version) + " of the motion format is not known.",
+                    "Use a newer Ugoki.");
+    if (size != bytes_.size() - header_size)
+      return refuse(
+          ErrorCode::truncated,
+          "the data has " + std::to_string(bytes_.size() - header_size) + " bytes, but its header says " + std::to_string(size) + ".",
+          again);
+    Hash64 hash;
+    hash.add_bytes(bytes_.data() + header_size, bytes_.size() - header_size);
+    if (hash.value() != sum) return refuse(ErrorCode::syntax, "the checksum is wrong: the data was damaged.", again);
+    at_ = header_size;
+    return true;
+  }
+
+  bool refuse(ErrorCode code, std::string message, std::string remedy = "Restore it from a backup, or import the motion again.") {
+    if (error_.empty()) error_.add(code, name_ + ": byte " + std::to_string(at_), std::move(message), std::move(remedy));
+    return false;
+  }
+  [[nodiscard]] bool good() const { return error_.empty(); }
+  [[nodiscard]] Error take() { return std::move(error_); }
+
+  bool raw(void* out, std::size_t size) {
+    if (!good()) return false;
+    if (size > bytes_.size() - at_) return refuse(ErrorCode::truncated, "the data ends inside a value.");
+    if (size > 0) std::memcpy(out, bytes_.data() + at_, size);
+    at_ += size;
+    return true;
+  }
+  double number() {
+    double v = 0;
+    if (raw(&v, sizeof v) && std::isnan(v)) refuse(ErrorCode::range, "a number is not one.");
+    return v;
+  }
+  double finite() {
+    const double v = number();
+    if (!std::isfinite(v)) refuse(ErrorCode::range, "a number is not finite.");
+    return v;
+  }
+  /// A count of things of at least `least` bytes each: never more than the data can hold.
+  std::size_t count(std::size_t least) {
+    std::uint64_t v = 0;
+    if (!raw(&v, sizeof v)) return 0;
+    if (v > (bytes_.size() - at_) / least) {
+      refuse(ErrorCode::truncated, "a count is larger than the data.");
+      return 0;
+    }
+    return static_cast<std::size_t>(v);
+  }
+  int integer() {
+    std::int32_t v = 0;
+    raw(&v, sizeof v);
+    return v;
+  }
+  bool flag() {
+    std::uint8_t v = 0;
+    raw(&v, 1);
+    if (v > 1) refuse(ErrorCode::range, "a yes-or-no value is neither.");
+    return v == 1;
+  }
+  std::string text() {
+    std::string v(count(1), '\0');
+    raw(v.data(), v.size());
+    return v;
+  }
+  Vec3 vector() {
+    Vec3 v;
+    v.x = finite();
+    v.y = finite();
+    v.z = finite();
+    return v;
+  }
+  void end() {
+    if (good() && at_ != bytes_.size()) refuse(ErrorCode::structure, "bytes are left over at the end.");
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::string name_;
+  std::size_t at_ = 0;
+  Error error_;
+};
+
+bool finite_doubles(const void* data, std::size_t count) {
+  const auto* p = static_cast<const double*>(data);
+  for (std::size_t i = 0; i < count; ++i)
+    if (!std::isfinite(p[i])) return false;
+  return true;
+}
+
+double read_rate(ByteReader& in) {
+  const double rate = in.finite();
+  if (in.good() && !(rate > 0)) in.refuse(ErrorCode::range, "the frame rate is not positive.");
+  return rate;
+}
+
+}  // namespace
+
+std::vector<std::byte> write_motion(const Motion& motion) {
+  ByteWriter out;
+  out.text(motion.name);
+  out.text(motion.source);
+  out.text(motion.mechanism);
+  out.number(motion.rate);
+  out.integer(motion.frames);
+  out.integer(motion.nq);
+  out.flag(motion.cyclic);
+  out.count(motion.contacts.size());
+  for (const ContactTrack& c : motion.contacts) {
+    out.text(c.link);
+    out.count(c.on.size());
+    out.raw(c.on.data(), c.on.size());
+  }
+  out.count(motion.q.size());
+  out.raw(motion.q.data(), motion.q.size() * sizeof(double));
+  return out.finish(motion_mark);
+}
+
+Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view name) {
+  ByteReader in(bytes, name);
+  if (!in.begin(motion_mark)) return fail(in.take());
+  Motion m;
+  m.name = in.text();
+  m.source = in.text();
+  m.mechanism = in.text();
+  m.rate = read_rate(in);
+  m.frames = in.integer();
+  m.nq = in.integer();
+  m.cyclic = in.flag();
+  const std::size_t tracks = in.count(16);
+  for (std::size_t i = 0; i < tracks && in.good(); ++i) {
+    ContactTrack track;
+    track.link = in.text();
+    track.on.resize(in.count(1));
+    in.raw(track.on.data(), track.on.size());
+    m.contacts.push_back(std::move(track));
+  }
+  m.q.resize(in.count(sizeof(double)));
+  in.raw(m.q.data(), m.q.size() * sizeof(double));
+  in.end();
+  if (in.good() && (m.frames < 0 || m.nq < 0 || m.q.size() != static_cast<std::size_t>(m.frames) * static_cast<std::size_t>(m.nq)))
+    in.refuse(ErrorCode::structure, "the numbers are not as many as the frames need.");
+  if (in.good() && !finite_doubles(m.q.data(), m.q.size())) in.refuse(ErrorCode::range, "a coordinate is not finite.");
+  if (!in.good()) return fail(in.take());
+  return m;
+}
+
+std::vector<std::byte> write_measured_motion(const MeasuredMotion& motion) {
+  ByteWriter out;
+  out.text(motion.name);
+  out.text(motion.source);
+  out.number(motion.rate);
+  out.integer(motion.frames);
+  const Skeleton& skeleton = motion.skeleton;
+  out.text(skeleton.name);
+  out.number(skeleton.unit);
+  out.number(skeleton.mass);
+  out.count(skeleton.joints.size());
+  for (const SkeletonJoint& j : skeleton.joints) {
+    out.text(j.name);
+    out.integer(j.parent);
+    out.vector(j.offset);
+    out.flag(j.translates);
+    out.text(j.rotation_order);
+    out.count(j.end_sites.size());
+    for (const Vec3& e : j.end_sites) out.vector(e);
+    out.count(j.freedoms.size());
+    for (const MeasuredFreedom& f : j.freedoms) {
+      out.vector(f.axis);
+      out.flag(f.limited);
+      out.number(f.lower);
+      out.number(f.upper);
+    }
+  }
+  out.count(motion.translations.size());
+  out.raw(motion.translations.data(), motion.translations.size() * sizeof(Vec3));
+  out.raw(motion.rotations.data(), motion.rotations.size() * sizeof(Quat));
+  return out.finish(measured_mark);
+}
+
+Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, std::string_view name) {
+  ByteReader in(bytes, name);
+  if (!in.begin(measured_mark)) return fail(in.take());
+  MeasuredMotion m;
+  m.name = in.text();
+  m.source = in.text();
+  m.rate = read_rate(in);
+  m.frames = in.integer();
+  m.skeleton.name = in.text();
+  m.skeleton.unit = in.finite();
+  m.skeleton.mass = in.finite();
+  const std::size_t joints = in.count(61);
+  for (std::size_t i = 0; i < joints && in.good(); ++i) {
+    SkeletonJoint j;
+    j.name = in.text();
+    j.parent = in.integer();
+    if (in.good() && (j.parent < -1 || j.parent >= static_cast<int>(i)))
+      in.refuse(ErrorCode::structure, "a joint comes before its parent.");
+    j.offset = in.vector();
+    j.translates = in.flag();
+    j.rotation_order = in.text();
+    const std::size_t ends = in.count(sizeof(Vec3));
+    for (std::size_t k = 0; k < ends && in.good(); ++k) j.end_sites.push_back(in.vector());
+    const std::size_t freedoms = in.count(41);
+    for (std::size_t k = 0; k < freedoms && in.good(); ++k) {
+      MeasuredFreedom f;
+      f.axis = in.vector();
+      f.limited = in.flag();
+      f.lower = in.number();  // one side of a limit may be open
+      f.upper = in.number();
+      j.freedoms.push_back(f);
+    }
+    m.skeleton.joints.push_back(std::move(j));
+  }
+  const std::size_t poses = in.count(sizeof(Vec3) + sizeof(Quat));
+  if (in.good() && (m.frames < 0 || poses != static_cast<std::size_t>(m.frames) * joints))
+    in.refuse(ErrorCode::structure, "the poses are not as many as the frames need.");
+  if (in.good()) {
+    m.translations.resize(poses);
+    m.rotations.resize(poses);
+    in.raw(m.translations.data(), poses * sizeof(Vec3));
+    in.raw(m.rotations.data(), poses * sizeof(Quat));
+  }
+  in.end();
+  if (in.good() && !(finite_doubles(m.translations.data(), 3 * poses) && finite_doubles(m.rotations.data(), 4 * poses)))
+    in.refuse(ErrorCode::range, "a pose is not finite.");
+  if (!in.good()) return fail(in.take());
+  return m;
+}
+
+}  // namespace ugoki::formats
