@@ -258,20 +258,22 @@ Result<std::vector<std::string>> Library::put(std::span<const LibraryItem> items
   Result<Statement> insert = database_.prepare("INSERT INTO entry (id, kind, name, summary, created, size) VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   Result<Statement> insert_data = database_.prepare("INSERT INTO data (entry, bytes) VALUES (?1, ?2)");
   Result<Statement> insert_tag = database_.prepare("INSERT OR IGNORE INTO tag (entry, tag) VALUES (?1, ?2)");
-  for (Result<Statement>* statement : {&has, &insert, &insert_data, &insert_tag})
+  Result<Statement> is_json = database_.prepare("SELECT json_valid(?1) AND json_type(?1) = 'object'");
+  for (Result<Statement>* statement : {&has, &insert, &insert_data, &insert_tag, &is_json})
     if (!*statement) return fail(std::move(statement->error()));
   for (const LibraryItem& item : items) {
     if (item.name.empty())
       return fail(ErrorCode::structure, path(), "An entry of the library needs a name.", "Give it one with --name.");
     const std::string id = entry_id(item.kind, item.data);
+    const Result<bool> judged = is_json->bind(1, item.summary).step();
+    if (!judged) return fail(judged.error());
+    if (!*judged || is_json->integer(0) == 0)
+      return fail(ErrorCode::syntax, path() + ", entry " + id, "The summary of '" + item.name + "' is no JSON object.", "Give an object, for example {}.");
+    is_json->reset();
     Result<bool> known = has->bind(1, id).bind_blob(2, item.data).step();
     if (!known) return fail(std::move(known.error()));
     const bool same = *known && has->integer(0) != 0;
-    while (*known) {  // to the end, so that the statement can be used again
-      Result<bool> more = has->step();
-      if (!more) return fail(std::move(more.error()));
-      if (!*more) break;
-    }
+    has->reset();
     if (*known && !same)
       return fail(ErrorCode::conflict, path() + ", entry " + id, "Other data have the same id.", "Change the name of what you import a little and try again.");
     if (!*known) {

@@ -11,7 +11,7 @@ CREATE TABLE entry (
   id      TEXT PRIMARY KEY NOT NULL,
   kind    TEXT NOT NULL CHECK (kind IN ('mechanism', 'motion', 'measured')),
   name    TEXT NOT NULL CHECK (length(name) > 0),
-  summary TEXT NOT NULL DEFAULT '{}' CHECK (json_valid(summary)),
+  summary TEXT NOT NULL DEFAULT '{}',
   created TEXT NOT NULL,
   size    INTEGER NOT NULL
 ) STRICT;

@@ -11,7 +11,7 @@
 namespace ugoki::store {
 namespace {
 
-constexpr int busy_timeout_ms = 5000;
+constexpr int busy_timeout_ms = 2000;
 
 /// What SQLite's code means for the person who owns the file.
 Problem problem_of(int code, const char* message, const std::string& path, std::string_view doing) {
@@ -174,6 +174,8 @@ Result<void> Statement::run() {
   sqlite3_reset(handle_);
   return {};
 }
+
+void Statement::reset() { sqlite3_reset(handle_); }
 
 std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(handle_, column); }
 std::string Statement::text(int column) const {

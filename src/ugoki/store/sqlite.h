@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -70,6 +69,8 @@ class Statement {
   [[nodiscard]] Result<bool> step();
   /// Runs to the end, and can then be bound and run again.
   [[nodiscard]] Result<void> run();
+  /// Back to the beginning, so that it can be bound and stepped again.
+  void reset();
   [[nodiscard]] std::int64_t integer(int column) const;
   [[nodiscard]] std::string text(int column) const;
   [[nodiscard]] std::vector<std::byte> blob(int column) const;
