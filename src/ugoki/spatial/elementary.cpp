@@ -8,13 +8,19 @@
 namespace ugoki {
 namespace {
 
-// pi/2 in three parts: the first two have 33 significant bits each, so that n * part is exact for |n| < 2^20.
+// pi/2 in parts, so that n * part is exact: 33 bits each for |n| < 2^20; and for |n| < 2^26 parts on the grids of 2^-26
+// and 2^-53, and one of 27 bits.
 constexpr double pio2_a = 0x1.921fb544p+0;
 constexpr double pio2_b = 0x1.0b4611a6p-34;
 constexpr double pio2_c = 0x1.3198a2e037073p-69;
+constexpr double pio2_far_a = 0x1.921fb54000000p+0;
+constexpr double pio2_far_b = 0x1.10b4600000000p-30;
+constexpr double pio2_far_c = 0x1.1a62630000000p-54;
+constexpr double pio2_far_d = 0x1.8a2e03707344ap-81;
 
-// Taylor series; on |x| <= pi/4 the first term left out is below 2^-60 of the result.
-double sin_kernel(double x) {
+// Taylor series of the sine of x + tail; on |x| <= pi/4 the first term left out is below 2^-60 of the result, and the tail
+// is below a unit of x's last place.
+double sin_kernel(double x, double tail) {
   const double z = x * x;
   double s = 1.0 / 355687428096000.0;       // 1/17!
   s = s * z - 1.0 / 1307674368000.0;        // 1/15!
@@ -24,10 +30,10 @@ double sin_kernel(double x) {
   s = s * z - 1.0 / 5040.0;
   s = s * z + 1.0 / 120.0;
   s = s * z - 1.0 / 6.0;
-  return x + x * (z * s);
+  return x + (x * (z * s) + tail);
 }
 
-double cos_kernel(double x) {
+double cos_kernel(double x, double tail) {
   const double z = x * x;
   double c = 1.0 / 20922789888000.0;        // 1/16!
   c = c * z - 1.0 / 87178291200.0;          // 1/14!
@@ -38,13 +44,15 @@ double cos_kernel(double x) {
   c = c * z + 1.0 / 24.0;
   const double half = 0.5 * z;
   const double head = 1.0 - half;           // keep what the subtraction rounded away
-  return head + (((1.0 - head) - half) + z * z * c);
+  return head + (((1.0 - head) - half) + (z * z * c - x * tail));
 }
 
-// atan on |x| <= 1/16 around the nearest multiple of 1/8, by its series.
+// atan on |x| <= 1/8 by its series; the first term left out is below 2^-58 of the result.
 double atan_kernel(double x) {
   const double z = x * x;
-  double s = 1.0 / 13.0;
+  double s = 1.0 / 17.0;
+  s = s * z - 1.0 / 15.0;
+  s = s * z + 1.0 / 13.0;
   s = s * z - 1.0 / 11.0;
   s = s * z + 1.0 / 9.0;
   s = s * z - 1.0 / 7.0;
@@ -53,22 +61,45 @@ double atan_kernel(double x) {
   return x + x * (z * s);
 }
 
-// atan(i / 8) for i = 0 ... 8, correctly rounded.
+// atan(i / 8) for i = 0 ... 8, correctly rounded, and what the rounding took away.
 constexpr double atan_table[9] = {0.0,
-                                  0.12435499454676143503,
-                                  0.24497866312686415417,
-                                  0.35877067027057222042,
-                                  0.46364760900080611621,
-                                  0.55859931534356243597,
-                                  0.64350110879328438680,
-                                  0.71882999962162450542,
-                                  0.78539816339744830962};
+                                  0x1.fd5ba9aac2f6ep-4,
+                                  0x1.f5b75f92c80ddp-3,
+                                  0x1.6f61941e4def1p-2,
+                                  0x1.dac670561bb4fp-2,
+                                  0x1.1e00babdefeb4p-1,
+                                  0x1.4978fa3269ee1p-1,
+                                  0x1.700a7c5784634p-1,
+                                  0x1.921fb54442d18p-1};
+constexpr double atan_rest[9] = {0.0,
+                                 -0x1.cd37686760c17p-59,
+                                 0x1.8ab6e3cf7afbdp-57,
+                                 -0x1.c63aae6f6e918p-56,
+                                 0x1.a2b7f222f65e2p-56,
+                                 -0x1.928df287a668fp-58,
+                                 0x1.2419a87f2a458p-56,
+                                 -0x1.8c34d25aadef6p-56,
+                                 0x1.1a62633145c07p-55};
 
-// atan of t in [0, 1].
-double atan_unit(double t) {
-  const int i = static_cast<int>(t * 8.0 + 0.5);
+/// A number in two parts, the second below the last place of the first.
+struct Split {
+  double head, tail;
+};
+constexpr Split half_turn{pi, 0x1.1a62633145c07p-53};
+constexpr Split quarter_turn{pi / 2, 0x1.1a62633145c07p-54};
+
+// atan of t in [0, 1]: around the nearest multiple of 1/8, but around 0 below 1/8.
+Split atan_unit(double t) {
+  const int i = t < 0.125 ? 0 : static_cast<int>(t * 8.0 + 0.5);
   const double c = i * 0.125;
-  return atan_table[i] + atan_kernel((t - c) / (1.0 + t * c));
+  const double rest = atan_rest[i] + atan_kernel((t - c) / (1.0 + t * c));
+  const double head = atan_table[i] + rest;
+  return {head, rest - (head - atan_table[i])};
+}
+
+Split minus(const Split& a, const Split& b) {  // a.head > b.head
+  const double head = a.head - b.head;
+  return {head, ((a.head - head) - b.head) + (a.tail - b.tail)};
 }
 
 }  // namespace
@@ -78,10 +109,22 @@ SinCos sin_cos(double x) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     return {nan, nan};
   }
+  // x - n pi/2 as r + tail; all products but the last are exact.
   const double n = std::floor(x * (2.0 / pi) + 0.5);
-  const double head = (x - n * pio2_a) - n * pio2_b;
-  const double r = head - n * pio2_c;
-  const double s = sin_kernel(r), c = cos_kernel(r);
+  double head, small, smaller;
+  if (std::fabs(n) < 0x1p20) {
+    head = (x - n * pio2_a) - n * pio2_b;
+    small = n * pio2_c;
+    smaller = 0.0;
+  } else {
+    head = (x - n * pio2_far_a) - n * pio2_far_b;
+    small = n * pio2_far_c;
+    smaller = n * pio2_far_d;
+  }
+  const double r = head - small;
+  const double taken = head - r;  // Knuth's two-sum
+  const double tail = ((head - (r + taken)) + (taken - small)) - smaller;
+  const double s = sin_kernel(r, tail), c = cos_kernel(r, tail);
   switch (static_cast<std::int64_t>(n) & 3) {
     case 0: return {s, c};
     case 1: return {c, -s};
@@ -101,16 +144,17 @@ double atan2(double y, double x) {
   if (std::isnan(x) || std::isnan(y)) return std::numeric_limits<double>::quiet_NaN();
   const double ax = std::fabs(x), ay = std::fabs(y);
   if (ax == 0.0 && ay == 0.0) return 0.0;
-  double angle;
+  Split angle;
   if (std::isinf(ax) && std::isinf(ay)) {
-    angle = pi / 4;
+    angle = atan_unit(1.0);
   } else if (ay <= ax) {
     angle = atan_unit(ay / ax);
   } else {
-    angle = (pi / 2) - atan_unit(ax / ay);
+    angle = minus(quarter_turn, atan_unit(ax / ay));
   }
-  if (x < 0.0) angle = pi - angle;
-  return y < 0.0 ? -angle : angle;
+  if (x < 0.0) angle = minus(half_turn, angle);
+  const double value = angle.head + angle.tail;
+  return y < 0.0 ? -value : value;
 }
 
 double atan(double x) { return atan2(x, 1.0); }

@@ -47,12 +47,13 @@ Quat slerp(const Quat& a, const Quat& b, double t) { return normalized(a * exp_m
 
 Quat rotation_between(const Vec3& from, const Vec3& to) {
   const double c = dot(from, to);
-  if (c < -0.999999999) {
-    const Vec3 n = any_perpendicular(from);
-    return {0, n.x, n.y, n.z};
-  }
   const Vec3 n = cross(from, to);
-  return normalized(Quat{1.0 + c, n.x, n.y, n.z});
+  if (c > -0.5) return normalized(Quat{1.0 + c, n.x, n.y, n.z});
+  // Towards the opposite n loses its digits: turn to -to, then half a turn about the same axis made to lie across `to`.
+  const double length = norm(n);
+  const Vec3 axis = length > 1e-12 ? n / length : any_perpendicular(to);
+  const Vec3 across = normalized(axis - to * dot(to, axis));
+  return Quat{0, across.x, across.y, across.z} * rotation_between(from, -to);
 }
 
 namespace {
