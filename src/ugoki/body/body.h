@@ -22,6 +22,14 @@ struct BodyOptions {
   bool level_floor = true;   ///< false: the floor of the measured data is z = 0 and level; nothing is shifted
 };
 
+/// A foot on which the body stands.
+struct Sole {
+  int foot = -1;         ///< joint at the ankle
+  int toes = -1;         ///< joint at the ball; -1: the foot ends in an end site there
+  Vec3 ball;             ///< m, the ball in the foot's frame
+  double thickness = 0;  ///< m, from the ball down to the ground
+};
+
 /// A mechanism made from a skeleton, and what is needed to bring measured motion onto it.
 struct Body {
   MechanismPtr mechanism;
@@ -31,6 +39,7 @@ struct Body {
   double mass = 0;    ///< kg, = mechanism->mass()
   bool human = false; ///< false: no human anatomy was recognised; capsules of density 1000 along the bones
   bool level_floor = true;
+  std::vector<Sole> soles;
   std::vector<std::string> report;     ///< sentences for people: what was recognised, estimated, widened, shifted
 };
 

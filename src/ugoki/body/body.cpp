@@ -1,0 +1,393 @@
+#include "ugoki/body/body.h"
+
+#include <algorithm>
+#include <set>
+
+#include "ugoki/base/check.h"
+#include "ugoki/base/number.h"
+#include "ugoki/body/build.h"
+#include "ugoki/body/joints.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/contact_labels.h"
+
+namespace ugoki::body {
+namespace {
+
+constexpr double degree = pi / 180;
+constexpr double nominal_ball = 0.019;    // height of the ball's joint over the ground, of the body's height
+constexpr double foot_length = 0.152;     // of the height (Drillis and Contini 1966, in Winter 2009, fig. 4.1)
+constexpr double leg_share = 0.245 + 0.246; // thigh and shank, of the height (the same)
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Error check_input(const MeasuredMotion& m) {
+  Error errors;
+  const std::string place = m.source.empty() ? m.name : m.source;
+  const std::size_t n = m.skeleton.joints.size();
+  if (n == 0) errors.add(ErrorCode::structure, place, "the skeleton has no joints.", "Export it with its skeleton.");
+  if (m.translations.size() != n * at(m.frames) || m.rotations.size() != n * at(m.frames))
+    errors.add(ErrorCode::structure, place, "frames and joints do not fit together.", "Read the file again.");
+  for (std::size_t i = 0; i < n; ++i) {
+    const SkeletonJoint& j = m.skeleton.joints[i];
+    bool finite = is_finite(j.offset);
+    for (const Vec3& e : j.end_sites) finite = finite && is_finite(e);
+    if (!finite) errors.add(ErrorCode::range, place + ", joint " + j.name, "its offset is not finite.", "Correct the file.");
+    if (j.parent >= static_cast<int>(i)) errors.add(ErrorCode::structure, place + ", joint " + j.name, "its parent does not come before it.", "Correct the order.");
+  }
+  for (const Vec3& t : m.translations)
+    if (!is_finite(t)) {
+      errors.add(ErrorCode::range, place, "a measured position is not finite.", "Correct the file.");
+      break;
+    }
+  return errors;
+}
+
+Pose rest_axes(const Anatomy& a) { return {a.R_WA, {}}; }
+
+Shape turned(Shape s, const Mat3& R) {
+  s.X_BS = {R * s.X_BS.R, R * s.X_BS.p};
+  return s;
+}
+
+/// Makes one body; split into steps that each report what they found.
+class Maker {
+ public:
+  Maker(const MeasuredMotion& motion, const BodyOptions& options) : m_(motion), o_(options), anatomy_(find_anatomy(motion.skeleton)) {}
+
+  Result<Body> run() {
+    body_.human = anatomy_.human;
+    body_.level_floor = o_.level_floor;
+    name_links();
+    for (const SkeletonJoint& j : m_.skeleton.joints) body_.joint_names.push_back(j.name);
+    if (anatomy_.human) human();
+    else generic();
+    join();
+    auto made = Mechanism::make(spec_);
+    if (!made) return fail(std::move(made.error()));
+    body_.mechanism = *made;
+    body_.mass = body_.mechanism->mass();
+    for (const LinkSpec& l : spec_.links) body_.link_of_joint.push_back(body_.mechanism->find_link(l.name));
+    fit_limits();
+    return std::move(body_);
+  }
+
+ private:
+  void say(std::string sentence) { body_.report.push_back(std::move(sentence)); }
+
+  void name_links() {
+    std::set<std::string> taken;
+    for (const SkeletonJoint& j : m_.skeleton.joints) {
+      std::string name = j.name.empty() ? "joint" : j.name;
+      for (int k = 2; !taken.insert(name).second; ++k) name = j.name + " " + std::to_string(k);
+      LinkSpec link;
+      link.name = std::move(name);
+      if (j.parent >= 0) link.parent = spec_.links[at(j.parent)].name;
+      spec_.links.push_back(std::move(link));
+    }
+    spec_.name = m_.skeleton.name.empty() ? m_.name : m_.skeleton.name;
+  }
+
+  void human() {
+    Build build{anatomy_, 0, 0, 1, {}};
+    find_size(build);
+    find_soles(build);
+    const std::vector<Inertia> inertias = human_inertias(build, o_.sex);
+    int moved = 0;
+    for (std::size_t i = 0; i < spec_.links.size(); ++i) {
+      LinkSpec& link = spec_.links[i];
+      link.label = label_of(anatomy_, static_cast<int>(i));
+      link.inertia = inertias[i].in_parent(rest_axes(anatomy_));
+      for (const Shape& s : human_shapes(build, static_cast<int>(i))) link.shapes.push_back(turned(s, anatomy_.R_WA));
+      link.joint = fit_joint(m_, static_cast<int>(i), o_, body_.report);
+      set_joint_properties(link.joint, anatomy_, m_.skeleton.joints[i], static_cast<int>(i), build.mass);
+      moved += link.joint.nv() > 0 ? 1 : 0;
+    }
+    give_mass_to_empty_ends();
+    say(std::to_string(moved) + " of " + std::to_string(spec_.links.size()) + " joints move in this motion; the others are fixed.");
+  }
+
+  void find_size(Build& build) {
+    const auto leg = [&](const Limb& l) {
+      return norm(anatomy_.p[at(l.distal)] - anatomy_.p[at(l.proximal)]) + norm(anatomy_.p[at(l.end)] - anatomy_.p[at(l.distal)]);
+    };
+    const double legs = 0.5 * (leg(anatomy_.legs[0]) + leg(anatomy_.legs[1]));
+    build.height = o_.height > 0 ? o_.height : legs / leg_share;
+    body_.height = build.height;
+    say(o_.height > 0 ? "Height " + to_fixed(build.height, 3) + " m, as given."
+                      : "Height " + to_fixed(build.height, 3) + " m, from legs of " + to_fixed(legs, 3) + " m (hip to ankle are 49.1 % of the height).");
+    const double bmi = m_.skeleton.mass / (build.height * build.height);
+    if (o_.mass > 0) {
+      build.mass = o_.mass;
+      say("Mass " + to_fixed(build.mass, 1) + " kg, as given.");
+    } else if (bmi > 12 && bmi < 60) {
+      build.mass = m_.skeleton.mass;
+      say("Mass " + to_fixed(build.mass, 1) + " kg, from the file.");
+    } else {
+      build.mass = 22.5 * build.height * build.height;
+      say("Mass " + to_fixed(build.mass, 1) + " kg, 22.5 kg/m^2 times height squared" + (m_.skeleton.mass > 0 ? " (the file's mass is not plausible)." : "."));
+    }
+    build.breadth = std::sqrt((build.mass / build.height) / (70 / 1.75)) / (build.height / 1.75);
+  }
+
+  /// Ground normal and thickness of each sole from the feet that stand, else from the shank and usual proportions.
+  void find_soles(Build& build) {
+    const Mat3 to_anatomical = anatomy_.R_WA.transposed();
+    for (int side = 0; side < 2; ++side) {
+      const Limb& leg = anatomy_.legs[at(side)];
+      Sole sole;
+      sole.foot = leg.end;
+      sole.toes = leg.tip;
+      sole.ball = anatomy_.R_WA * anatomy_.bone[at(leg.end)];
+      sole.thickness = nominal_ball * build.height;
+      body_.soles.push_back(sole);
+    }
+    const FloorFit fit = fit_floor(m_, body_.soles, build.height);
+    double floor = 0;
+    int standing = 0;
+    for (const Stance& s : fit.stances)
+      if (!s.frames.empty()) {
+        floor += s.ball_height - nominal_ball * build.height;
+        ++standing;
+      }
+    for (std::size_t side = 0; side < 2; ++side) {
+      const Limb& leg = anatomy_.legs[side];
+      Sole& sole = body_.soles[side];
+      const Vec3 shank = normalized(anatomy_.p[at(leg.distal)] - anatomy_.p[at(leg.end)]);
+      const Vec3 bone = anatomy_.bone[at(leg.end)];
+      SoleShape shape;
+      shape.foot = sole.foot;
+      shape.toes = sole.toes;
+      shape.ball = bone;
+      // Usual: the sole lies across the shank, the ball's joint lower than the ankle by 2 % of the height.
+      const Vec3 usual = normalized(shank - Vec3{1, 0, 0} * dot(shank, Vec3{1, 0, 0}));
+      shape.foot_up = usual;
+      shape.toes_up = usual;
+      if (const Stance& s = fit.stances[side]; !s.frames.empty()) {
+        sole.thickness = std::clamp(s.ball_height - floor / standing, 0.009 * build.height, 0.032 * build.height);
+        const auto plausible = [&](const Vec3& up) { return dot(up, usual) > 0.8; };
+        const Vec3 foot_up = to_anatomical * s.foot_up, toes_up = to_anatomical * s.toes_up;
+        if (plausible(foot_up)) shape.foot_up = foot_up;
+        shape.toes_up = plausible(toes_up) ? toes_up : shape.foot_up;
+      }
+      const auto forward = [](const Vec3& direction, const Vec3& up) { return normalized(direction - up * dot(direction, up), {1, 0, 0}); };
+      shape.foot_forward = forward(bone, shape.foot_up);
+      const Vec3 toes = sole.toes >= 0 ? anatomy_.bone[at(sole.toes)] : Vec3{};
+      shape.toes_forward = forward(norm(toes) > 0 ? toes : bone, shape.toes_up);
+      shape.thickness = sole.thickness;
+      const double ball = dot(bone, shape.foot_forward);
+      shape.tip = std::max(dot(toes, shape.toes_forward), 0.028 * build.height);
+      shape.heel = std::clamp(foot_length * build.height - ball - shape.tip, 0.026 * build.height, 0.048 * build.height);
+      shape.ankle = std::max(0.02 * build.height, sole.thickness - dot(bone, shape.foot_up));
+      build.soles.push_back(shape);
+    }
+    if (!fit.found) {
+      say("No frame in which a foot stands was found; the soles are those of usual feet, the floor is not corrected.");
+      return;
+    }
+    if (!o_.level_floor) return;
+    const Pose X = calc_floor_pose(body_, m_);
+    say("The floor was found at " + to_fixed(-X.p.z * 100, 1) + " cm in the measured data" +
+        (fit.tilt > 1e-9 ? ", tilted by " + to_fixed(fit.tilt / degree, 2) + " degrees; the motion is levelled and shifted onto z = 0." : "; the motion is shifted onto z = 0."));
+    say("Soles: " + to_fixed(1000 * body_.soles[0].thickness, 0) + " mm (left) and " + to_fixed(1000 * body_.soles[1].thickness, 0) + " mm (right) under the ball, heels " +
+        to_fixed(1000 * build.soles[0].heel, 0) + " mm behind the ankles.");
+  }
+
+  /// A movable link with nothing behind it that has mass gets a crumb, so that its equation can be solved.
+  void give_mass_to_empty_ends() {
+    std::vector<double> behind(spec_.links.size(), 0.0);
+    for (std::size_t i = behind.size(); i-- > 0;) {
+      LinkSpec& link = spec_.links[i];
+      behind[i] += link.inertia.mass;
+      if (link.joint.nv() > 0 && behind[i] <= 0) {
+        double& donor = find_donor(i);
+        const double crumb = 0.02 * donor;
+        link.inertia = Inertia::from_centre(crumb, {}, {1e-4, 1e-4, 1e-4, 0, 0, 0});
+        behind[i] += crumb;
+        // The donor keeps its centre and gives mass and moments in proportion.
+        LinkSpec& from = *donor_;
+        from.inertia = {from.inertia.mass - crumb, from.inertia.h * 0.98, from.inertia.I * 0.98};
+      }
+      if (const int parent = m_.skeleton.joints[i].parent; parent >= 0) behind[at(parent)] += behind[i];
+    }
+  }
+  double& find_donor(std::size_t i) {
+    int k = m_.skeleton.joints[i].parent;
+    while (spec_.links[at(k)].inertia.mass <= 0) k = m_.skeleton.joints[at(k)].parent;
+    donor_ = &spec_.links[at(k)];
+    return donor_->inertia.mass;
+  }
+
+  /// No human: capsules along the bones.
+  void generic() {
+    say("No human anatomy was recognised: " + anatomy_.why_not + " The body is made of capsules of density 1000 kg/m^3 along the bones" +
+        (o_.mass > 0 ? ", scaled to the given mass." : "."));
+    const std::vector<Vec3> p = rest_positions(m_.skeleton);
+    double length = 0;
+    std::vector<std::vector<Vec3>> bones(p.size());
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      for (const Vec3& e : m_.skeleton.joints[i].end_sites) bones[i].push_back(e);
+      if (const int parent = m_.skeleton.joints[i].parent; parent >= 0) bones[at(parent)].push_back(m_.skeleton.joints[i].offset);
+    }
+    for (const auto& list : bones)
+      for (const Vec3& b : list) length = std::max(length, norm(b));
+    const double height = rest_height(m_.skeleton);
+    body_.height = o_.height > 0 ? o_.height : height;
+    const double least = std::max(0.02 * length, 0.005);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      LinkSpec& link = spec_.links[i];
+      for (const Vec3& b : bones[i])
+        if (norm(b) > least) link.shapes.push_back(Shape::capsule(std::max(0.1 * norm(b), 0.4 * least), {}, b));
+      if (link.shapes.empty()) link.shapes.push_back(Shape::sphere(std::max(0.08 * length, least)));
+      for (const Shape& s : link.shapes) link.inertia += solid_inertia(s, 1000);
+      link.joint = fit_joint(m_, static_cast<int>(i), o_, body_.report);
+      const double scale = link.inertia.mass;
+      set_joint_properties(link.joint, anatomy_, m_.skeleton.joints[i], static_cast<int>(i), std::max(0.1, scale));
+    }
+    if (o_.mass > 0) {
+      double sum = 0;
+      for (const LinkSpec& l : spec_.links) sum += l.inertia.mass;
+      for (LinkSpec& l : spec_.links) l.inertia = {l.inertia.mass * o_.mass / sum, l.inertia.h * (o_.mass / sum), l.inertia.I * (o_.mass / sum)};
+    }
+  }
+
+  void join() {
+    for (LinkSpec& l : spec_.links)
+      if (l.joint.type == JointType::floating) l.joint.X_PJ = {};
+  }
+
+  /// Widens limits that the measured motion exceeds, and lays springs' rest positions at the motion's median.
+  void fit_limits() {
+    if (m_.frames < 1) return;
+    const Motion motion = to_motion(body_, m_);
+    const Mechanism& mech = *body_.mechanism;
+    MechanismSpec spec = mech.spec();
+    std::string widened;
+    int count = 0;
+    for (int i = 0; i < mech.link_count(); ++i) {
+      const Link& link = mech.link(i);
+      const int nv = link.joint.nv();
+      if (nv == 0 || link.joint.type == JointType::floating) continue;
+      std::vector<std::vector<double>> x(at(nv));
+      bool wraps = false;
+      for (int f = 0; f < motion.frames; ++f) {
+        double d[6];
+        joint_displacement(link.joint, motion.frame(f) + link.q_index, d);
+        if (link.joint.type == JointType::spherical) wraps = wraps || norm(Vec3{d[0], d[1], d[2]}) > 165 * degree;
+        for (int k = 0; k < nv; ++k) x[at(k)].push_back(d[k]);
+      }
+      bool wider = false;
+      for (int k = 0; k < nv; ++k) {
+        Freedom& f = spec.links[at(i)].joint.freedoms[at(k)];
+        auto& values = x[at(k)];
+        const auto [low, high] = std::minmax_element(values.begin(), values.end());
+        if (wraps) {
+          f.lower = -std::numeric_limits<double>::infinity();
+          f.upper = std::numeric_limits<double>::infinity();
+          wider = true;
+        } else {
+          const double margin = 3 * degree;
+          wider = wider || *low < f.lower || *high > f.upper;
+          f.lower = std::min(f.lower, *low - margin);
+          f.upper = std::max(f.upper, *high + margin);
+        }
+        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+        std::nth_element(values.begin(), middle, values.end());
+        f.rest = wraps ? 0 : *middle;
+        if (wraps) f.stiffness = 0;
+      }
+      if (wider) {
+        widened += (count++ > 0 ? ", " : "") + link.name;
+      }
+    }
+    if (count > 0) say("The motion goes beyond the usual joint limits, which were widened: " + widened + ".");
+    auto made = Mechanism::make(std::move(spec));
+    UGOKI_CHECK(made.has_value());
+    body_.mechanism = *made;
+  }
+
+  const MeasuredMotion& m_;
+  const BodyOptions& o_;
+  Anatomy anatomy_;
+  MechanismSpec spec_;
+  LinkSpec* donor_ = nullptr;
+  Body body_;
+};
+
+}  // namespace
+
+Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options) {
+  if (Error errors = check_input(motion); !errors.empty()) return fail(std::move(errors));
+  return Maker(motion, options).run();
+}
+
+Pose calc_floor_pose(const Body& body, const MeasuredMotion& motion) {
+  if (!body.human || !body.level_floor) return {};
+  const FloorFit fit = fit_floor(motion, body.soles, body.height);
+  if (!fit.found) return {};
+  double floor = 0;
+  int standing = 0;
+  for (std::size_t s = 0; s < body.soles.size(); ++s)
+    if (!fit.stances[s].frames.empty()) {
+      floor += fit.stances[s].ball_height - body.soles[s].thickness;
+      ++standing;
+    }
+  return {fit.R_level, {0, 0, standing > 0 ? -floor / standing : 0}};
+}
+
+Motion to_motion(const Body& body, const MeasuredMotion& m) {
+  const Mechanism& mech = *body.mechanism;
+  const std::size_t n = m.skeleton.joints.size();
+  UGOKI_CHECK(n == body.link_of_joint.size());
+  Motion out;
+  out.name = m.name;
+  out.source = m.source;
+  out.mechanism = mech.name();
+  out.rate = m.rate;
+  out.frames = m.frames;
+  out.nq = mech.nq();
+  out.q.assign(at(m.frames) * at(out.nq), 0.0);
+  const Pose X_WM = calc_floor_pose(body, m);
+  std::vector<Pose> measured, made(n);
+  for (int f = 0; f < m.frames; ++f) {
+    m.calc_joint_poses(f, measured);
+    double* q = out.frame(f);
+    const double* previous = f > 0 ? out.frame(f - 1) : nullptr;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Link& link = mech.link(body.link_of_joint[i]);
+      const Pose want = X_WM * measured[i];
+      const int parent = m.skeleton.joints[i].parent;
+      double* own = q + link.q_index;
+      const double* before = previous ? previous + link.q_index : nullptr;
+      if (link.joint.type == JointType::floating) {
+        own[0] = want.p.x;
+        own[1] = want.p.y;
+        own[2] = want.p.z;
+        Joint ball;
+        ball.type = JointType::spherical;
+        find_coordinates(ball, want.R, before ? before + 3 : nullptr, own + 3);
+        made[i] = want;
+        continue;
+      }
+      // Against the parent as it was made, so that what a hinge cannot do does not add up along a limb.
+      const Pose& base = made[at(parent)];
+      find_coordinates(link.joint, base.R.transposed() * want.R, before, own);
+      made[i] = base * (link.joint.X_PJ * joint_pose(link.joint, own));
+    }
+  }
+  label_contacts(mech, out);
+  return out;
+}
+
+double calc_position_error(const Body& body, const MeasuredMotion& measured, const Motion& motion) {
+  const Pose X_WM = calc_floor_pose(body, measured);
+  std::vector<Pose> want, made(at(body.mechanism->link_count()));
+  double worst = 0;
+  for (int f = 0; f < measured.frames; ++f) {
+    measured.calc_joint_poses(f, want);
+    calc_poses(*body.mechanism, std::span(motion.frame(f), at(motion.nq)), made);
+    for (std::size_t i = 0; i < want.size(); ++i) worst = std::max(worst, norm(X_WM * want[i].p - made[at(body.link_of_joint[i])].p));
+  }
+  return worst;
+}
+
+}  // namespace ugoki::body

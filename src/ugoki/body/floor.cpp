@@ -1,0 +1,151 @@
+#include "ugoki/body/floor.h"
+
+#include <algorithm>
+
+namespace ugoki::body {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+double percentile(std::vector<double> values, double share) {
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+/// World path of one foot.
+struct Track {
+  std::vector<Vec3> ankle, ball;
+  std::vector<Mat3> R_foot, R_toes;
+  std::vector<double> speed;  ///< m/s, the faster of ankle and ball
+};
+
+std::vector<Track> track_feet(const MeasuredMotion& m, std::span<const Sole> soles) {
+  std::vector<Track> tracks(soles.size());
+  std::vector<Pose> X;
+  for (int f = 0; f < m.frames; ++f) {
+    m.calc_joint_poses(f, X);
+    for (std::size_t s = 0; s < soles.size(); ++s) {
+      const Pose& foot = X[at(soles[s].foot)];
+      tracks[s].ankle.push_back(foot.p);
+      tracks[s].ball.push_back(foot * soles[s].ball);
+      tracks[s].R_foot.push_back(foot.R);
+      tracks[s].R_toes.push_back(soles[s].toes >= 0 ? X[at(soles[s].toes)].R : foot.R);
+    }
+  }
+  for (Track& t : tracks) {
+    for (int f = 0; f < m.frames; ++f) {
+      const int a = std::max(0, f - 1), b = std::min(m.frames - 1, f + 1);
+      const double dt = std::max(1, b - a) / m.rate;
+      t.speed.push_back(std::max(norm(t.ankle[at(b)] - t.ankle[at(a)]), norm(t.ball[at(b)] - t.ball[at(a)])) / dt);
+    }
+  }
+  return tracks;
+}
+
+/// Slope of the floor [rise per m along x, y] from the places of the balls in stance; zero where they do not tell.
+Vec3 find_slope(const std::vector<Track>& tracks, const std::vector<Stance>& stances) {
+  struct Sample {
+    double x, y, z;
+  };
+  std::vector<Sample> samples;  // each foot about its own mean, because soles differ in thickness
+  for (std::size_t s = 0; s < tracks.size(); ++s) {
+    Vec3 mean{};
+    for (const int f : stances[s].frames) mean += tracks[s].ball[at(f)];
+    if (stances[s].frames.empty()) continue;
+    mean = mean / static_cast<double>(stances[s].frames.size());
+    for (const int f : stances[s].frames) {
+      const Vec3 d = tracks[s].ball[at(f)] - mean;
+      samples.push_back({d.x, d.y, d.z});
+    }
+  }
+  if (samples.size() < 20) return {};
+  double xx = 0, xy = 0, yy = 0;
+  for (const Sample& a : samples) {
+    xx += a.x * a.x;
+    xy += a.x * a.y;
+    yy += a.y * a.y;
+  }
+  const double angle = 0.5 * atan2(2 * xy, xx - yy);
+  const SinCos sc = sin_cos(angle);
+  Vec3 slope{};
+  for (const Vec3 u : {Vec3{sc.cos, sc.sin, 0}, Vec3{-sc.sin, sc.cos, 0}}) {
+    double low = 0, high = 0, uu = 0, uz = 0, zz = 0;
+    for (const Sample& a : samples) {
+      const double along = a.x * u.x + a.y * u.y, z = a.z - dot(slope, Vec3{a.x, a.y, 0});
+      low = std::min(low, along);
+      high = std::max(high, along);
+      uu += along * along;
+      uz += along * z;
+      zz += z * z;
+    }
+    if (high - low < 1.0) continue;  // the places lie too close together
+    const double rise = uz / uu;
+    const double left = std::sqrt(std::max(0.0, zz - rise * uz) / static_cast<double>(samples.size()));
+    const double before = std::sqrt(zz / static_cast<double>(samples.size()));
+    if (left < 0.75 * before && left < 0.012 && std::fabs(rise) < 0.035) slope += u * rise;
+  }
+  return slope;
+}
+
+Vec3 median_direction(const std::vector<Mat3>& R, const std::vector<int>& frames, const Vec3& up) {
+  std::vector<double> x, y, z;
+  for (const int f : frames) {
+    const Vec3 u = transpose_times(R[at(f)], up);
+    x.push_back(u.x);
+    y.push_back(u.y);
+    z.push_back(u.z);
+  }
+  return normalized(Vec3{median(x), median(y), median(z)});
+}
+
+}  // namespace
+
+FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double height) {
+  FloorFit fit;
+  fit.stances.resize(soles.size());
+  if (soles.empty() || m.frames < 1) return fit;
+  const std::vector<Track> tracks = track_feet(m, soles);
+  const double scale = height / 1.7;
+  // Slow feet first; if a motion never has them, feet that are merely slower.
+  std::size_t found = 0;
+  for (const double limit : {0.2, 0.4, 0.8}) {
+    found = 0;
+    for (std::size_t s = 0; s < soles.size(); ++s) {
+      fit.stances[s].frames.clear();
+      for (int f = 0; f < m.frames; ++f)
+        if (tracks[s].speed[at(f)] < limit * scale) fit.stances[s].frames.push_back(f);
+      found += fit.stances[s].frames.size();
+    }
+    if (found >= std::max<std::size_t>(4, static_cast<std::size_t>(m.frames) / 50)) break;
+  }
+  if (found == 0) return fit;
+  fit.found = true;
+  const Vec3 slope = find_slope(tracks, fit.stances);
+  const Vec3 up = normalized(Vec3{-slope.x, -slope.y, 1});
+  fit.R_level = to_matrix(rotation_between(up, {0, 0, 1}));
+  fit.tilt = acos(up.z);
+  // Only places near the lowest: not the stairs that somebody climbed.
+  std::vector<double> heights;
+  for (std::size_t s = 0; s < soles.size(); ++s)
+    for (const int f : fit.stances[s].frames) heights.push_back(dot(up, tracks[s].ball[at(f)]));
+  const double ceiling = percentile(heights, 0.1) + 0.04 * scale;
+  for (std::size_t s = 0; s < soles.size(); ++s) {
+    Stance& stance = fit.stances[s];
+    std::erase_if(stance.frames, [&](int f) { return dot(up, tracks[s].ball[at(f)]) > ceiling; });
+    if (stance.frames.empty()) continue;
+    std::vector<double> z;
+    for (const int f : stance.frames) z.push_back(dot(up, tracks[s].ball[at(f)]));
+    stance.ball_height = median(z);
+    stance.foot_up = median_direction(tracks[s].R_foot, stance.frames, up);
+    stance.toes_up = median_direction(tracks[s].R_toes, stance.frames, up);
+  }
+  return fit;
+}
+
+}  // namespace ugoki::body

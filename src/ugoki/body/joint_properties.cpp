@@ -1,0 +1,135 @@
+// Human ranges, passive resistance and strength of joints. docs/design/body.md names the sources and says how coarse they are.
+
+#include <algorithm>
+
+#include "ugoki/body/joints.h"
+
+namespace ugoki::body {
+namespace {
+
+constexpr double degree = pi / 180;
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Of one part's joint; torques for a body of 70 kg.
+struct Passive {
+  double damping;    ///< N m s/rad
+  double stiffness;  ///< N m/rad
+  double effort;     ///< N m
+  double armature;   ///< kg m^2
+};
+
+Passive passive_of(Part part) {
+  switch (part) {
+    case Part::pelvis:
+    case Part::trunk: return {6, 120, 400, 0};
+    case Part::neck:
+    case Part::head: return {0.8, 8, 80, 0};
+    case Part::hip:
+    case Part::thigh: return {3, 4, 350, 0};
+    case Part::shank: return {1.5, 2, 320, 0};
+    case Part::foot: return {1.0, 5, 280, 0.002};
+    case Part::toes: return {0.3, 8, 80, 0.002};
+    case Part::shoulder: return {2, 40, 150, 0.002};
+    case Part::upper_arm: return {1.2, 1.5, 150, 0};
+    case Part::forearm: return {0.5, 0.5, 110, 0.0005};
+    case Part::hand: return {0.1, 0.6, 30, 0.0005};
+    case Part::fingers: return {0.03, 0.3, 10, 0.0005};
+    case Part::thumb: return {0.03, 0.3, 10, 0.0005};
+    case Part::other: return {1, 0, 400, 0};
+  }
+  return {1, 0, 400, 0};
+}
+
+struct Range {
+  Vec3 lower, upper;  ///< degrees of the rotation vector in anatomical axes (x forward, y left, z up), for the LEFT side
+};
+
+/// Ranges from the posture in which legs and trunk are upright and arms are stretched out sideways.
+/// @param open degrees by which a thigh is spread, or a shoulder's arm hangs, at rest
+Range range_of(Part part, double open) {
+  switch (part) {
+    case Part::trunk: return {{-30, -20, -30}, {30, 45, 30}};
+    case Part::neck:
+    case Part::head: return {{-35, -35, -45}, {35, 45, 45}};
+    case Part::thigh: return {{-30 - open, -125, -45}, {50 - open, 30, 45}};
+    case Part::shank: return {{-8, -5, -15}, {8, 150, 15}};
+    case Part::foot: return {{-30, -30, -30}, {30, 50, 30}};
+    case Part::toes: return {{-10, -60, -10}, {10, 40, 10}};
+    case Part::shoulder: return {{-15, -20, -25}, {40, 20, 25}};
+    case Part::upper_arm: return {{-100 + open, -120, -135}, {90 + open, 120, 50}};
+    case Part::forearm: return {{-150, -150, -150}, {150, 150, 150}};
+    case Part::hand: return {{-80, -80, -80}, {80, 80, 80}};
+    case Part::fingers: return {{-100, -100, -100}, {100, 100, 100}};
+    case Part::thumb: return {{-70, -70, -70}, {70, 70, 70}};
+    default: return {{-90, -90, -90}, {90, 90, 90}};
+  }
+}
+
+}  // namespace
+
+void set_joint_properties(Joint& joint, const Anatomy& anatomy, const SkeletonJoint& source, int i, double mass) {
+  const Place place = anatomy.places[at(i)];
+  const Passive passive = passive_of(place.part);
+  const double strength = mass / 70;
+  const int nv = joint.nv();
+  if (joint.type == JointType::floating) return;
+  for (int k = 0; k < nv; ++k) {
+    Freedom& f = joint.freedoms[at(k)];
+    f.damping = passive.damping * strength;
+    f.stiffness = passive.stiffness * strength;
+    f.effort = passive.effort * strength;
+    f.armature = passive.armature;
+  }
+  const bool own_freedoms = static_cast<int>(source.freedoms.size()) == nv && joint.type != JointType::spherical;
+  bool from_file = own_freedoms && nv > 0;
+  for (const MeasuredFreedom& f : source.freedoms) from_file = from_file && f.limited;
+  if (from_file) {
+    for (int k = 0; k < nv; ++k) {
+      joint.freedoms[at(k)].lower = source.freedoms[at(k)].lower;
+      joint.freedoms[at(k)].upper = source.freedoms[at(k)].upper;
+    }
+    return;
+  }
+  if (place.part == Part::other) return;  // nothing is known about it
+
+  double open = 0;
+  const Vec3 bone = anatomy.symmetric_bone(i);
+  const double outward = std::fabs(bone.y);
+  if (place.part == Part::thigh) open = atan2(outward, -bone.z) / degree;
+  if (place.part == Part::upper_arm) open = atan2(-bone.z, outward) / degree;
+  const Range range = range_of(place.part, open);
+  // The mirror image of a rotation vector (x, y, z) about the middle plane is (-x, y, -z).
+  Vec3 lower = range.lower * degree, upper = range.upper * degree;
+  if (place.side < 0) {
+    lower = {-range.upper.x * degree, lower.y, -range.upper.z * degree};
+    upper = {-range.lower.x * degree, upper.y, -range.lower.z * degree};
+  }
+  if (joint.type == JointType::spherical) {
+    // The box of ranges in anatomical axes, seen in the link's axes (which differ only where the figure does not look along x).
+    for (int k = 0; k < 3; ++k) {
+      Vec3 a = transpose_times(anatomy.R_WA, Vec3{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0});
+      double low = 0, high = 0;
+      for (int c = 0; c < 3; ++c) {
+        low += a[c] > 0 ? a[c] * lower[c] : a[c] * upper[c];
+        high += a[c] > 0 ? a[c] * upper[c] : a[c] * lower[c];
+      }
+      joint.freedoms[at(k)].lower = low;
+      joint.freedoms[at(k)].upper = high;
+    }
+    return;
+  }
+  for (int k = 0; k < nv; ++k) {
+    // Along one axis: as far as the box of ranges allows.
+    const Vec3 axis = transpose_times(anatomy.R_WA, k == 0 ? joint.axis : joint.axis2);
+    double low = 1e9, high = 1e9;
+    for (int c = 0; c < 3; ++c) {
+      if (std::fabs(axis[c]) < 0.3) continue;
+      low = std::min(low, axis[c] > 0 ? -lower[c] / axis[c] : upper[c] / -axis[c]);
+      high = std::min(high, axis[c] > 0 ? upper[c] / axis[c] : -lower[c] / -axis[c]);
+    }
+    joint.freedoms[at(k)].lower = -low;
+    joint.freedoms[at(k)].upper = high;
+  }
+}
+
+}  // namespace ugoki::body

@@ -1,0 +1,176 @@
+#include "ugoki/body/joints.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "ugoki/base/number.h"
+
+namespace ugoki::body {
+namespace {
+
+constexpr double degree = pi / 180;
+constexpr double unmoved = 0.01 * degree;   // below this a joint counts as not moved
+constexpr double position_tolerance = 2e-7; // m; what one joint may add to the error of the positions that hang on it
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+const Quat& rotation(const MeasuredMotion& m, int frame, int joint) {
+  return m.rotations[at(frame) * m.skeleton.joints.size() + at(joint)];
+}
+const Vec3& translation(const MeasuredMotion& m, int frame, int joint) {
+  return m.translations[at(frame) * m.skeleton.joints.size() + at(joint)];
+}
+
+/// Greatest distance [m] of a joint below `i` from `i` in any posture.
+double reach_of(const Skeleton& s, int i) {
+  std::vector<double> distance(s.joints.size(), -1.0);
+  distance[at(i)] = 0;
+  double reach = 0;
+  for (std::size_t k = at(i) + 1; k < s.joints.size(); ++k) {
+    const int parent = s.joints[k].parent;
+    if (parent < 0 || distance[at(parent)] < 0) continue;
+    distance[k] = distance[at(parent)] + norm(s.joints[k].offset);
+    reach = std::max(reach, distance[k]);
+  }
+  return reach;
+}
+
+/// Angle about `axis` of the turn part of q (swing-twist).
+double twist_angle(const Quat& q, const Vec3& axis) { return 2 * atan2(dot(q.vec(), axis), q.w); }
+double angle_of(const Quat& q) { return norm(log_map(q)); }
+
+/// Angles (outer, inner) of a universal joint nearest to R: exact where R is a turn about axis, then about axis2.
+void universal_angles(const Vec3& axis, const Vec3& axis2, const Mat3& R, double* q) {
+  const Vec3 from = axis2 - axis * dot(axis2, axis), moved = R * axis2;
+  const Vec3 to = moved - axis * dot(moved, axis);
+  q[0] = atan2(dot(axis, cross(from, to)), dot(from, to));
+  q[1] = twist_angle(to_quat(rotation_about(axis, -q[0]) * R), axis2);
+}
+
+double near(double angle, double reference) {
+  double turns = (angle - reference) / (2 * pi);
+  return angle - 2 * pi * std::floor(turns + 0.5);
+}
+
+/// Worst angle between the measured rotations and what the joint can do.
+double worst_misfit(const MeasuredMotion& m, int i, const Joint& joint) {
+  double worst = 0;
+  double q[7];
+  for (int f = 0; f < m.frames; ++f) {
+    const Mat3 R = to_matrix(rotation(m, f, i));
+    find_coordinates(joint, R, nullptr, q);
+    const Mat3 fitted = joint.X_PJ.R * joint_pose(joint, q).R;
+    worst = std::max(worst, angle_of(to_quat(fitted.transposed() * R)));
+  }
+  return worst;
+}
+
+/// Direction in which the rotation vectors v spread most (power iteration on their second moments).
+Vec3 principal_direction(const std::vector<Vec3>& v) {
+  Mat3 moments{};
+  Vec3 best{};
+  for (const Vec3& r : v) {
+    moments += Mat3{r.x * r.x, r.x * r.y, r.x * r.z, r.y * r.x, r.y * r.y, r.y * r.z, r.z * r.x, r.z * r.y, r.z * r.z};
+    if (norm(r) > norm(best)) best = r;
+  }
+  Vec3 d = normalized(best);
+  for (int k = 0; k < 50; ++k) d = normalized(moments * d, d);
+  return d;
+}
+
+/// A hinge through all measured rotations, if there is one.
+std::optional<Joint> fit_hinge(const MeasuredMotion& m, int i, const Joint& base, double tolerance) {
+  const Quat first = rotation(m, 0, i);
+  std::vector<Vec3> turns(at(m.frames));
+  for (int f = 0; f < m.frames; ++f) turns[at(f)] = log_map(first.conjugate() * rotation(m, f, i));
+  Joint joint = base;
+  joint.type = JointType::revolute;
+  joint.axis = principal_direction(turns);
+  // The first rotation = a constant one, then a turn about the axis; most often the constant is none.
+  const Quat constant = normalized(first * axis_angle(joint.axis, -twist_angle(first, joint.axis)));
+  joint.X_PJ.R = angle_of(constant) < 1e-5 ? Mat3::identity() : to_matrix(constant);
+  if (worst_misfit(m, i, joint) > tolerance) return std::nullopt;
+  return joint;
+}
+
+}  // namespace
+
+Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, std::vector<std::string>& report) {
+  const SkeletonJoint& source = m.skeleton.joints[at(i)];
+  Joint joint;
+  if (source.parent < 0) {
+    joint.type = JointType::floating;
+    return joint;
+  }
+  joint.X_PJ.p = source.offset;
+  if (m.frames == 0) {
+    joint.type = source.freedoms.empty() ? JointType::fixed : JointType::spherical;
+    return joint;
+  }
+  // Where it is held against its parent.
+  Vec3 mean{};
+  double shift = 0;
+  for (int f = 0; f < m.frames; ++f) {
+    mean += translation(m, f, i) - translation(m, 0, i);
+    shift = std::max(shift, norm(translation(m, f, i) - translation(m, 0, i)));
+  }
+  joint.X_PJ.p = translation(m, 0, i);
+  if (shift > position_tolerance) {
+    joint.X_PJ.p += mean / m.frames;
+    report.push_back("Joint " + source.name + " is measured to shift by up to " + to_fixed(1000 * shift, 1) +
+                     " mm against its parent; the body holds it at the mean place, so positions below it differ by up to as much.");
+  }
+  // How it turns.
+  const double reach = reach_of(m.skeleton, i);
+  const double tolerance = std::min(1e-5, reach > 0 ? position_tolerance / reach : 1.0);
+  double moved = 0;
+  for (int f = 1; f < m.frames; ++f) moved = std::max(moved, angle_of(rotation(m, 0, i).conjugate() * rotation(m, f, i)));
+  const bool still = moved < std::min(unmoved, std::max(tolerance, 1e-9));
+  if (still && (source.freedoms.empty() || !options.keep_unmoved)) {
+    if (angle_of(rotation(m, 0, i)) > 1e-9) joint.X_PJ.R = to_matrix(rotation(m, 0, i));
+    return joint;
+  }
+  if (source.freedoms.size() == 1) {
+    joint.type = JointType::revolute;
+    joint.axis = source.freedoms[0].axis;
+    if (worst_misfit(m, i, joint) <= tolerance) return joint;
+  } else if (source.freedoms.size() == 2 && norm(cross(source.freedoms[0].axis, source.freedoms[1].axis)) > 0.1) {
+    joint.type = JointType::universal;
+    joint.axis = source.freedoms[0].axis;
+    joint.axis2 = source.freedoms[1].axis;
+    if (worst_misfit(m, i, joint) <= tolerance) return joint;
+  }
+  if (!options.keep_unmoved)
+    if (const auto hinge = fit_hinge(m, i, joint, tolerance)) return *hinge;
+  joint.type = JointType::spherical;
+  joint.axis = {0, 0, 1};
+  joint.axis2 = {0, 1, 0};
+  return joint;
+}
+
+void find_coordinates(const Joint& joint, const Mat3& R_PB, const double* previous, double* q) {
+  const Mat3 R = joint.X_PJ.R.transposed() * R_PB;
+  switch (joint.type) {
+    case JointType::revolute:
+      q[0] = twist_angle(to_quat(R), joint.axis);
+      q[0] = near(q[0], previous ? previous[0] : 0);
+      return;
+    case JointType::universal:
+      universal_angles(joint.axis, joint.axis2, R, q);
+      q[0] = near(q[0], previous ? previous[0] : 0);
+      q[1] = near(q[1], previous ? previous[1] : 0);
+      return;
+    case JointType::spherical: {
+      Quat r = to_quat(R);
+      if (previous && r.w * previous[0] + r.x * previous[1] + r.y * previous[2] + r.z * previous[3] < 0) r = {-r.w, -r.x, -r.y, -r.z};
+      q[0] = r.w;
+      q[1] = r.x;
+      q[2] = r.y;
+      q[3] = r.z;
+      return;
+    }
+    default: return;
+  }
+}
+
+}  // namespace ugoki::body

@@ -1,0 +1,92 @@
+#include "ugoki/motion/contact_labels.h"
+
+#include <algorithm>
+
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Turns runs of `value` that are shorter than `least` frames into the other value; runs at the ends only if `ends`.
+void remove_short_runs(std::vector<std::uint8_t>& on, std::uint8_t value, int least, bool ends) {
+  const int n = static_cast<int>(on.size());
+  for (int from = 0; from < n;) {
+    int to = from;
+    while (to < n && on[at(to)] == on[at(from)]) ++to;
+    const bool inside = from > 0 && to < n;
+    if (on[at(from)] == value && to - from < least && (inside || ends)) std::fill(on.begin() + from, on.begin() + to, static_cast<std::uint8_t>(1 - value));
+    from = to;
+  }
+}
+
+}  // namespace
+
+std::vector<SupportPoint> support_points(const Link& link) {
+  std::vector<SupportPoint> points;
+  for (const Shape& s : link.shapes) {
+    if (!s.collides) continue;
+    switch (s.type) {
+      case ShapeType::sphere: points.push_back({s.X_BS.p, s.radius}); break;
+      case ShapeType::capsule:
+        for (const double e : {-1.0, 1.0}) points.push_back({s.X_BS * Vec3{0, 0, e * s.half_length}, s.radius});
+        break;
+      case ShapeType::box:
+        for (const double x : {-1.0, 1.0})
+          for (const double y : {-1.0, 1.0})
+            for (const double z : {-1.0, 1.0}) points.push_back({s.X_BS * Vec3{x * s.half_extents.x, y * s.half_extents.y, z * s.half_extents.z}, 0});
+        break;
+    }
+  }
+  return points;
+}
+
+std::vector<int> find_feet(const Mechanism& mechanism) {
+  std::vector<int> feet;
+  for (int i = 0; i < mechanism.link_count(); ++i) {
+    const Link& link = mechanism.link(i);
+    const bool named = link.label.starts_with("foot") || link.label.starts_with("toes") || link.label.starts_with("paw");
+    if (named && std::any_of(link.shapes.begin(), link.shapes.end(), [](const Shape& s) { return s.collides; })) feet.push_back(i);
+  }
+  return feet;
+}
+
+void label_contacts(const Mechanism& mechanism, Motion& motion, std::span<const int> links, const ContactLabelOptions& o) {
+  motion.contacts.clear();
+  const int frames = motion.frames;
+  std::vector<Pose> X(at(mechanism.link_count()));
+  std::vector<std::vector<Pose>> paths(links.size());
+  for (int f = 0; f < frames; ++f) {
+    calc_poses(mechanism, std::span(motion.frame(f), at(motion.nq)), X);
+    for (std::size_t k = 0; k < links.size(); ++k) paths[k].push_back(X[at(links[k])]);
+  }
+  for (std::size_t k = 0; k < links.size(); ++k) {
+    const std::vector<SupportPoint> points = support_points(mechanism.link(links[k]));
+    ContactTrack track;
+    track.link = mechanism.link(links[k]).name;
+    track.on.assign(at(frames), 0);
+    bool bears = false;
+    for (int f = 0; f < frames; ++f) {
+      const int before = std::max(0, f - 1), after = std::min(frames - 1, f + 1);
+      const double dt = std::max(1, after - before) / motion.rate;
+      const double high = bears ? o.height_off : o.height_on, fast = bears ? o.speed_off : o.speed_on;
+      bears = std::any_of(points.begin(), points.end(), [&](const SupportPoint& s) {
+        if ((paths[k][at(f)] * s.p).z - s.radius - o.ground > high) return false;
+        // The material point of a rolling sphere that touches is still: take the velocity of its lowest point.
+        const Vec3 low = transpose_times(paths[k][at(f)].R, Vec3{0, 0, -s.radius});
+        return norm(paths[k][at(after)] * (s.p + low) - paths[k][at(before)] * (s.p + low)) / dt < fast;
+      });
+      track.on[at(f)] = bears ? 1 : 0;
+    }
+    remove_short_runs(track.on, 0, static_cast<int>(o.least_gap * motion.rate + 0.5), false);
+    remove_short_runs(track.on, 1, static_cast<int>(o.least_contact * motion.rate + 0.5), false);
+    motion.contacts.push_back(std::move(track));
+  }
+}
+
+void label_contacts(const Mechanism& mechanism, Motion& motion, const ContactLabelOptions& options) {
+  label_contacts(mechanism, motion, find_feet(mechanism), options);
+}
+
+}  // namespace ugoki

@@ -1,0 +1,250 @@
+// From measured skeletons to bodies: every shared file, masses, mirror symmetry, positions, limits.
+
+#include "ugoki/body/body.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "measured_files.h"
+#include "ugoki/body/segments.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/contact_labels.h"
+
+namespace ugoki::body {
+namespace {
+
+#define SKIP_WITHOUT_DATA() \
+  if (testing::all_files().empty()) GTEST_SKIP() << "The shared measured data are absent."
+
+double total_mass(const Mechanism& m) {
+  double sum = 0;
+  for (const Link& l : m.links()) sum += l.inertia.mass;
+  return sum;
+}
+
+std::string mirrored_label(std::string label) {
+  if (label.ends_with(" left")) return label.replace(label.size() - 4, 4, "right");
+  if (label.ends_with(" right")) return label.replace(label.size() - 5, 5, "left");
+  return {};
+}
+
+const Link* labelled(const Mechanism& m, const std::string& label) {
+  for (const Link& l : m.links())
+    if (l.label == label) return &l;
+  return nullptr;
+}
+
+/// Every figure must pass these.
+void check_human(const MeasuredMotion& measured, const Body& body) {
+  const Mechanism& m = *body.mechanism;
+  EXPECT_TRUE(body.human) << body.report.front();
+  EXPECT_NEAR(total_mass(m) / body.mass, 1, 1e-9);
+  EXPECT_GT(body.height, 1.45);
+  EXPECT_LT(body.height, 2.0);
+  for (const char* label : {"pelvis", "abdomen", "chest", "neck", "head", "thigh left", "shank right", "foot left", "toes right", "upper arm left", "forearm right", "hand left"})
+    EXPECT_NE(labelled(m, label), nullptr) << label;
+  // Mirror symmetry, to the bit.
+  for (const Link& l : m.links()) {
+    const std::string other = mirrored_label(l.label);
+    if (other.empty()) continue;
+    const Link* r = labelled(m, other);
+    ASSERT_NE(r, nullptr) << other;
+    EXPECT_EQ(l.inertia.mass, r->inertia.mass) << l.label;
+    EXPECT_EQ(l.inertia.h, (Vec3{r->inertia.h.x, -r->inertia.h.y, r->inertia.h.z})) << l.label;
+    const Sym3 &a = l.inertia.I, &b = r->inertia.I;
+    EXPECT_EQ(a, (Sym3{b.xx, b.yy, b.zz, -b.xy, b.xz, -b.yz})) << l.label;
+  }
+  // Movable links can be solved for.
+  for (const Link& l : m.links())
+    if (l.joint.nv() > 0 && m.link_count() > 0 && l.child < 0) {
+      EXPECT_GT(l.inertia.mass, 0.001) << l.name;
+      const Sym3 c = l.inertia.about_centre();
+      EXPECT_GT(std::min({c.xx, c.yy, c.zz}), 2e-5) << l.name;
+    }
+  const Motion motion = to_motion(body, measured);
+  EXPECT_TRUE(check_motion(motion, m).empty()) << check_motion(motion, m).text();
+  EXPECT_LT(calc_position_error(body, measured, motion), 1e-6);
+  // Limits contain the motion.
+  for (int f = 0; f < motion.frames; ++f)
+    for (const Link& l : m.links()) {
+      double x[6];
+      joint_displacement(l.joint, motion.frame(f) + l.q_index, x);
+      for (int k = 0; k < l.joint.nv(); ++k) {
+        const Freedom& freedom = l.joint.freedoms[static_cast<std::size_t>(k)];
+        ASSERT_GE(x[k], freedom.lower) << l.name << " in frame " << f;
+        ASSERT_LE(x[k], freedom.upper) << l.name << " in frame " << f;
+      }
+    }
+}
+
+TEST(Segments, MassesSumToOneAndTheMeanLiesBetween) {
+  for (const Sex sex : {Sex::male, Sex::female, Sex::mean}) {
+    const SegmentTable t = segment_table(sex);
+    const double sum = t.head.mass + t.upper_trunk.mass + t.middle_trunk.mass + t.lower_trunk.mass +
+                       2 * (t.upper_arm.mass + t.forearm.mass + t.hand.mass + t.thigh.mass + t.shank.mass + t.foot.mass);
+    EXPECT_NEAR(sum, 1, 2e-3);
+  }
+  EXPECT_NEAR(segment_table(Sex::mean).thigh.mass, 0.1447, 1e-12);
+}
+
+TEST(Body, MadeFigure) {
+  const MeasuredMotion measured = testing::made_figure();
+  BodyOptions options;
+  options.height = 1.75;
+  options.mass = 70;
+  const auto body = make_body(measured, options);
+  ASSERT_TRUE(body.has_value()) << body.error().text();
+  check_human(measured, *body);
+  EXPECT_NEAR(body->mechanism->mass(), 70, 70e-9);
+  EXPECT_EQ(body->height, 1.75);
+  // Knees only bend: hinges about the sideways axis; ankles too; arms are free; the spine never moved.
+  const Mechanism& m = *body->mechanism;
+  EXPECT_EQ(m.link(m.find_link("LeftLeg")).joint.type, JointType::revolute);
+  EXPECT_NEAR(std::fabs(m.link(m.find_link("LeftLeg")).joint.axis.y), 1, 1e-9);
+  EXPECT_EQ(m.link(m.find_link("LeftArm")).joint.type, JointType::spherical);
+  EXPECT_EQ(m.link(m.find_link("Spine")).joint.type, JointType::fixed);
+  EXPECT_EQ(m.link(0).joint.type, JointType::floating);
+}
+
+TEST(Body, CentreOfMassOfAnUprightFigureIsWhereHumansHaveIt) {
+  // Upright with arms sideways: about 57 % of the height over the ground with arms down (Winter 2009), some 3 cm more here.
+  const MeasuredMotion measured = testing::made_figure(1);
+  BodyOptions options;
+  options.height = 1.75;
+  options.mass = 70;
+  const auto body = make_body(measured, options);
+  ASSERT_TRUE(body.has_value());
+  const Mechanism& m = *body->mechanism;
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  calc_poses(m, m.neutral(), X);
+  const double ground = -(0.02 + 0.43 + 0.43 + 0.035 + 0.03);
+  const Vec3 c = centre_of_mass(m, X);
+  EXPECT_NEAR((c.z - ground) / 1.75, 0.575, 0.025);
+  EXPECT_NEAR(c.y, 0, 1e-12);
+  EXPECT_NEAR(c.x, 0.02, 0.03);
+}
+
+TEST(Body, SegmentsCarryTheTablesMasses) {
+  const MeasuredMotion measured = testing::made_figure();
+  BodyOptions options;
+  options.mass = 100;
+  options.sex = Sex::male;
+  const auto body = make_body(measured, options);
+  ASSERT_TRUE(body.has_value());
+  const Mechanism& m = *body->mechanism;
+  const SegmentTable t = segment_table(Sex::male);
+  EXPECT_NEAR(labelled(m, "thigh left")->inertia.mass, 100 * t.thigh.mass, 0.1);
+  EXPECT_NEAR(labelled(m, "shank left")->inertia.mass, 100 * t.shank.mass, 0.1);
+  EXPECT_NEAR(labelled(m, "foot left")->inertia.mass + labelled(m, "toes left")->inertia.mass, 100 * t.foot.mass, 0.1);
+  // Hip to knee 0.43 m: centre and radii of gyration of the table.
+  const Inertia& thigh = labelled(m, "thigh left")->inertia;
+  EXPECT_NEAR(norm(thigh.centre()), t.thigh.centre * 0.43, 1e-9);
+  EXPECT_NEAR(std::sqrt(thigh.about_centre().yy / thigh.mass), t.thigh.transverse * 0.43, 1e-9);
+  EXPECT_NEAR(std::sqrt(thigh.about_centre().zz / thigh.mass), t.thigh.longitudinal * 0.43, 1e-9);
+}
+
+TEST(Body, MassFromTheFileIsUsedIfPlausible) {
+  MeasuredMotion measured = testing::made_figure(10);
+  measured.skeleton.mass = 81;
+  EXPECT_NEAR(make_body(measured)->mass, 81, 1e-9);
+  measured.skeleton.mass = 1;  // CMU's files say 1
+  const auto body = make_body(measured);
+  EXPECT_NEAR(body->mass, 22.5 * body->height * body->height, 1e-9);
+}
+
+TEST(Body, FigureThatLooksAlongAnotherDirectionAtRest) {
+  MeasuredMotion measured = testing::made_figure(60);
+  // Turn the whole rest position by 90 degrees: left is now -x.
+  const Quat turn = axis_angle({0, 0, 1}, pi / 2);
+  for (SkeletonJoint& j : measured.skeleton.joints) {
+    j.offset = rotate(turn, j.offset);
+    for (Vec3& e : j.end_sites) e = rotate(turn, e);
+  }
+  for (std::size_t i = 0; i < measured.rotations.size(); ++i) {
+    measured.rotations[i] = turn * measured.rotations[i] * turn.conjugate();
+    measured.translations[i] = rotate(turn, measured.translations[i]);
+  }
+  const auto turned = make_body(measured), straight = make_body(testing::made_figure(60));
+  ASSERT_TRUE(turned.has_value());
+  EXPECT_TRUE(turned->human);
+  const Link* a = labelled(*straight->mechanism, "foot left");
+  const Link* b = labelled(*turned->mechanism, "foot left");
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->name, b->name);
+  EXPECT_NEAR(norm(rotate(turn, a->inertia.centre()) - b->inertia.centre()), 0, 1e-9);
+  EXPECT_LT(calc_position_error(*turned, measured, to_motion(*turned, measured)), 1e-9);
+}
+
+TEST(Body, HeldStillWhileNothingMoves) {
+  const MeasuredMotion measured = testing::made_figure(1);
+  BodyOptions keep;
+  keep.keep_unmoved = true;
+  EXPECT_EQ(make_body(measured)->mechanism->nv(), 6);
+  EXPECT_EQ(make_body(measured, keep)->mechanism->nv(), 6 + 3 * 18);
+}
+
+TEST(Body, ShiftingJointIsReported) {
+  MeasuredMotion measured = testing::made_figure(20);
+  measured.translations[5 * measured.skeleton.joints.size() + 2].z += 0.01;
+  const auto body = make_body(measured);
+  ASSERT_TRUE(body.has_value());
+  EXPECT_TRUE(std::any_of(body->report.begin(), body->report.end(), [](const std::string& s) { return s.find("Joint Chest is measured to shift by up to 10.0 mm") == 0; }));
+  // A constant place other than the skeleton's offset is kept exactly.
+  measured = testing::made_figure(20);
+  for (std::size_t f = 0; f < 20; ++f) measured.translations[f * measured.skeleton.joints.size() + 2].z += 0.01;
+  const auto held = make_body(measured);
+  EXPECT_LT(calc_position_error(*held, measured, to_motion(*held, measured)), 1e-9);
+}
+
+TEST(Body, RefusesWhatIsNoSkeleton) {
+  MeasuredMotion empty;
+  EXPECT_FALSE(make_body(empty).has_value());
+  MeasuredMotion bad = testing::made_figure(3);
+  bad.skeleton.joints[4].offset.x = std::nan("");
+  const auto body = make_body(bad);
+  ASSERT_FALSE(body.has_value());
+  EXPECT_NE(body.error().text().find("Head"), std::string::npos);
+}
+
+TEST(Body, SharedWalk) {
+  SKIP_WITHOUT_DATA();
+  for (const char* file : {"bvh/cmu_12_01_walk.bvh", "asf_amc/35_01.amc"}) {
+    const MeasuredMotion measured = testing::read(file);
+    const auto body = make_body(measured);
+    ASSERT_TRUE(body.has_value()) << body.error().text();
+    check_human(measured, *body);
+  }
+}
+
+TEST(Body, SmallFilesThatAreNoHumans) {
+  SKIP_WITHOUT_DATA();
+  for (const char* file : {"bvh/sinusoidal.bvh", "bvh/full_precision_frame_time.bvh", "bvh/rotation_first_root.bvh"}) {
+    const MeasuredMotion measured = testing::read(file);
+    const auto body = make_body(measured);
+    ASSERT_TRUE(body.has_value()) << body.error().text();
+    EXPECT_FALSE(body->human);
+    EXPECT_NE(body->report.front().find("No human anatomy"), std::string::npos);
+    EXPECT_GT(body->mass, 0);
+    const Motion motion = to_motion(*body, measured);
+    EXPECT_TRUE(check_motion(motion, *body->mechanism).empty());
+    EXPECT_LT(calc_position_error(*body, measured, motion), 1e-6) << file;
+    BodyOptions options;
+    options.mass = 3;
+    EXPECT_NEAR(make_body(measured, options)->mechanism->mass(), 3, 3e-9);
+  }
+}
+
+TEST(SlowBody, EverySharedHuman) {
+  SKIP_WITHOUT_DATA();
+  for (const std::string& file : testing::human_files()) {
+    SCOPED_TRACE(file);
+    const MeasuredMotion measured = testing::read(file);
+    const auto body = make_body(measured);
+    ASSERT_TRUE(body.has_value()) << body.error().text();
+    check_human(measured, *body);
+  }
+}
+
+}  // namespace
+}  // namespace ugoki::body
