@@ -63,6 +63,31 @@ void FootSkate::reset() {
   path_ = worst_ = square_ = time_ = 0;
 }
 
+void FootSkate::save(std::span<double> out) const {
+  UGOKI_CHECK(out.size() == memory_size());
+  double* x = out.data();
+  for (const double value : {static_cast<double>(stances_), path_, worst_, square_, time_}) *x++ = value;
+  for (const Foot& f : feet_) {
+    const Mat3& R = f.before.R;
+    const Vec3& p = f.before.p;
+    for (const double value : {f.stood ? 1.0 : 0.0, f.path, R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz, p.x, p.y, p.z}) *x++ = value;
+  }
+}
+
+void FootSkate::restore(std::span<const double> in) {
+  UGOKI_CHECK(in.size() == memory_size());
+  const double* x = in.data();
+  stances_ = static_cast<int>(*x++);
+  for (double* value : {&path_, &worst_, &square_, &time_}) *value = *x++;
+  for (Foot& f : feet_) {
+    f.stood = *x++ != 0;
+    f.path = *x++;
+    Mat3& R = f.before.R;
+    Vec3& p = f.before.p;
+    for (double* value : {&R.xx, &R.xy, &R.xz, &R.yx, &R.yy, &R.yz, &R.zx, &R.zy, &R.zz, &p.x, &p.y, &p.z}) *value = *x++;
+  }
+}
+
 double FootSkate::mean_per_stance_cm() const { return stances_ > 0 ? 100 * path_ / stances_ : 0; }
 double FootSkate::rms_speed() const { return time_ > 0 ? std::sqrt(square_ / time_) : 0; }
 
@@ -90,6 +115,22 @@ void GroundPenetration::reset() {
   worst_ = square_ = 0;
   frames_ = 0;
   worst_link_ = -1;
+}
+
+void GroundPenetration::save(std::span<double> out) const {
+  UGOKI_CHECK(out.size() == memory_size());
+  out[0] = worst_;
+  out[1] = square_;
+  out[2] = frames_;
+  out[3] = worst_link_;
+}
+
+void GroundPenetration::restore(std::span<const double> in) {
+  UGOKI_CHECK(in.size() == memory_size());
+  worst_ = in[0];
+  square_ = in[1];
+  frames_ = static_cast<int>(in[2]);
+  worst_link_ = static_cast<int>(in[3]);
 }
 
 double GroundPenetration::rms_mm() const { return frames_ > 0 ? 1000 * std::sqrt(square_ / frames_) : 0; }

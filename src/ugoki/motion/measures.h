@@ -31,6 +31,11 @@ class FootSkate {
   [[nodiscard]] double rms_speed() const;
   [[nodiscard]] int stances() const { return stances_; }
 
+  /// What it remembers, as numbers, for saving and restoring. @param out, in [memory_size()]
+  [[nodiscard]] std::size_t memory_size() const { return 5 + feet_.size() * 14; }
+  void save(std::span<double> out) const;
+  void restore(std::span<const double> in);
+
  private:
   struct Foot {
     int link = 0;
@@ -59,6 +64,11 @@ class GroundPenetration {
   [[nodiscard]] double rms_mm() const;
   /// Link that was deepest, or -1.
   [[nodiscard]] int worst_link() const { return worst_link_; }
+
+  /// What it remembers, as numbers, for saving and restoring. @param out, in [memory_size()]
+  [[nodiscard]] std::size_t memory_size() const { return 4; }
+  void save(std::span<double> out) const;
+  void restore(std::span<const double> in);
 
  private:
   struct Point {
