@@ -135,7 +135,9 @@ TEST(Rotation, EulerAnglesOfAllOrders) {
       const Mat3 R = from_euler(angles, order);
       const Vec3 back = to_euler(R, order);
       ASSERT_LT(difference(from_euler(back, order), R), 5e-15);
-      if (std::fabs(angles.y) < 1.5) ASSERT_LT(norm(back - angles), 1e-13) << order;
+      if (std::fabs(angles.y) < 1.5) {
+        ASSERT_LT(norm(back - angles), 1e-13) << order;
+      }
     }
     for (const double pole : {pi / 2, -pi / 2, pi / 2 - 1e-9, -pi / 2 + 1e-13, pi / 2 - 1e-15}) {
       const Mat3 R = from_euler({0.7, pole, -0.4}, order);

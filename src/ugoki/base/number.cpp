@@ -1,10 +1,12 @@
 #include "ugoki/base/number.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+
+#include <locale.h>
 
 namespace ugoki {
 
@@ -14,6 +16,11 @@ std::optional<double> parse_double(std::string_view text) {
     const bool numeric = (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.' || c == 'e' || c == 'E';
     if (!numeric) return std::nullopt;  // strtod would also take hexadecimal, inf, nan and leading blanks
   }
+#ifdef __cpp_lib_to_chars  // libstdc++: much the fastest; what it does not take (a plus sign, too small a number) goes the other way
+  double fast = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), fast);
+  if (error == std::errc{} && stop == text.data() + text.size()) return fast;
+#endif
   char buffer[64];
   std::string longer;
   const char* begin = buffer;
@@ -25,13 +32,18 @@ std::optional<double> parse_double(std::string_view text) {
     begin = longer.c_str();
   }
   char* end = nullptr;
-  const double value = std::strtod(begin, &end);
+#ifdef __GLIBC__
+  static const locale_t c_locale = newlocale(LC_ALL_MASK, "C", nullptr);
+  const double value = strtod_l(begin, &end, c_locale);
+#else
+  const double value = std::strtod(begin, &end);  // musl's knows no other locale
+#endif
   if (end != begin + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
 }
 
 std::optional<long> parse_long(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   long value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
@@ -45,9 +57,9 @@ std::string to_text(double value) {
 }
 
 std::string to_fixed(double value, int digits) {
-  char buffer[400];
-  const int n = std::snprintf(buffer, sizeof buffer, "%.*f", digits, value);
-  return n > 0 ? std::string(buffer, static_cast<std::size_t>(n) < sizeof buffer ? static_cast<std::size_t>(n) : sizeof buffer - 1) : std::string();
+  char buffer[700];  // 309 digits before the point, 340 behind it
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, std::clamp(digits, 0, 340));
+  return error == std::errc{} ? std::string(buffer, end) : std::string();
 }
 
 }  // namespace ugoki
