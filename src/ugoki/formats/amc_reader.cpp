@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 #include "ugoki/base/number.h"
@@ -101,13 +102,13 @@ class AmcReader {
                     "the frames between " + std::to_string(last) + " and " + std::to_string(*number) + " are missing, more than a second.",
                     "Cut the motion in two there, or export it again.");
       missing_ += *number - last - 1;
-      if (static_cast<std::size_t>(missing_) * asf_.bones.size() > 10'000'000 + 8 * text_size_)
+      if (static_cast<std::uint64_t>(missing_) * asf_.bones.size() > 10'000'000 + 8 * text_size_)
         return stop(ErrorCode::range, line, "more frames are missing than are there.", "Export the motion again.");
     }
     numbers_.push_back(*number);
     frame_lines_.push_back(line);
     seen_.assign(asf_.bones.size(), 0);
-    if (numbers_.size() * asf_.bones.size() > 1'000'000 + 8 * text_size_)
+    if (std::uint64_t{numbers_.size()} * asf_.bones.size() > 1'000'000 + 8 * text_size_)
       return stop(ErrorCode::range, line, "almost no bone has a freedom.", "Leave out bones that never move.");
     values_.resize(values_.size() + numbers_a_frame_, 0.0);
     return true;
@@ -200,7 +201,7 @@ class AmcReader {
   }
 
   Scanner scanner_;
-  std::size_t text_size_;
+  std::uint64_t text_size_;
   const Asf& asf_;
   double rate_;
   Problems& problems_;

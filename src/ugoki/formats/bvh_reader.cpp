@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdint>
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/bvh.h"
@@ -69,7 +70,7 @@ std::optional<std::vector<double>> read_numbers(Scanner& scanner, std::size_t fr
     return std::nullopt;
   }
   const std::size_t count = frames * channels;
-  if (joints > 1'000'000 / frames && frames * joints > 1'000'000 + 8 * count) {
+  if (std::uint64_t{frames} * joints > std::uint64_t{1'000'000} + std::uint64_t{8} * count) {
     problems.add(ErrorCode::range, header_line, "almost all of the " + std::to_string(joints) + " joints have no channels.",
                  "Leave out joints that never move.");
     return std::nullopt;

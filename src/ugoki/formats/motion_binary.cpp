@@ -212,7 +212,7 @@ Result<Motion> read_motion(std::span<const std::byte> bytes, std::string_view na
   m.q.resize(in.count(sizeof(double)));
   in.raw(m.q.data(), m.q.size() * sizeof(double));
   in.end();
-  if (in.good() && (m.frames < 0 || m.nq < 0 || m.q.size() != static_cast<std::size_t>(m.frames) * static_cast<std::size_t>(m.nq)))
+  if (in.good() && (m.frames < 0 || m.nq < 0 || m.q.size() != static_cast<std::uint64_t>(m.frames) * static_cast<std::uint64_t>(m.nq)))
     in.refuse(ErrorCode::structure, "the numbers are not as many as the frames need.");
   if (in.good() && !finite_doubles(m.q.data(), m.q.size())) in.refuse(ErrorCode::range, "a coordinate is not finite.");
   if (!in.good()) return fail(in.take());
@@ -287,7 +287,7 @@ Result<MeasuredMotion> read_measured_motion(std::span<const std::byte> bytes, st
     m.skeleton.joints.push_back(std::move(j));
   }
   const std::size_t poses = in.count(sizeof(Vec3) + sizeof(Quat));
-  if (in.good() && (m.frames < 0 || poses != static_cast<std::size_t>(m.frames) * joints))
+  if (in.good() && (m.frames < 0 || poses != static_cast<std::uint64_t>(m.frames) * joints))
     in.refuse(ErrorCode::structure, "the poses are not as many as the frames need.");
   if (in.good()) {
     m.translations.resize(poses);

@@ -1,0 +1,15 @@
+#pragma once
+// What each reader is fuzzed for. Every function ends the program where a promise is broken, and returns otherwise.
+
+#include <cstddef>
+#include <cstdint>
+
+namespace ugoki {
+
+void fuzz_bvh(const std::uint8_t* data, std::size_t size);
+void fuzz_asf(const std::uint8_t* data, std::size_t size);
+void fuzz_amc(const std::uint8_t* data, std::size_t size);
+void fuzz_mechanism(const std::uint8_t* data, std::size_t size);
+void fuzz_motion(const std::uint8_t* data, std::size_t size);
+
+}  // namespace ugoki

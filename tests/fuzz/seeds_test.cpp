@@ -1,0 +1,39 @@
+// The seed corpus, and every file that once broke a reader, through the fuzz targets.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "fuzz_targets.h"
+
+namespace ugoki {
+namespace {
+
+void run(const char* name, void (*target)(const std::uint8_t*, std::size_t)) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& e : std::filesystem::directory_iterator(std::string(UGOKI_SOURCE_DIR) + "/tests/fuzz/seeds/" + name))
+    files.push_back(e.path());
+  std::sort(files.begin(), files.end());
+  EXPECT_FALSE(files.empty());
+  for (const auto& file : files) {
+    SCOPED_TRACE(file.filename());
+    std::ifstream in(file, std::ios::binary);
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
+    const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    target(data, bytes.size());
+    for (std::size_t n = 0; n < bytes.size(); n += 1 + bytes.size() / 200) target(data, n);  // and cut off
+  }
+}
+
+TEST(FuzzSeeds, Bvh) { run("bvh", fuzz_bvh); }
+TEST(FuzzSeeds, Asf) { run("asf", fuzz_asf); }
+TEST(FuzzSeeds, Amc) { run("amc", fuzz_amc); }
+TEST(FuzzSeeds, Mechanism) { run("mechanism", fuzz_mechanism); }
+TEST(FuzzSeeds, Motion) { run("motion", fuzz_motion); }
+
+}  // namespace
+}  // namespace ugoki
