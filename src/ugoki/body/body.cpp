@@ -55,6 +55,17 @@ class Maker {
   Maker(const MeasuredMotion& motion, const BodyOptions& options) : m_(motion), o_(options), anatomy_(find_anatomy(motion.skeleton)) {}
 
   Result<Body> run() {
+    auto body = build(false);
+    // Hinges were accepted by what they cost at their own children; if that adds up, take them only where they cost nothing.
+    if (body && calc_position_error(*body, m_, to_motion(*body, m_)) > 0.9e-6) body = build(true);
+    return body;
+  }
+
+ private:
+  Result<Body> build(bool strict) {
+    strict_ = strict;
+    body_ = {};
+    spec_ = {};
     body_.human = anatomy_.human;
     body_.level_floor = o_.level_floor;
     name_links();
@@ -68,10 +79,9 @@ class Maker {
     body_.mass = body_.mechanism->mass();
     for (const LinkSpec& l : spec_.links) body_.link_of_joint.push_back(body_.mechanism->find_link(l.name));
     fit_limits();
-    return std::move(body_);
+    return body_;
   }
 
- private:
   void say(std::string sentence) { body_.report.push_back(std::move(sentence)); }
 
   void name_links() {
@@ -98,7 +108,7 @@ class Maker {
       link.label = label_of(anatomy_, static_cast<int>(i));
       link.inertia = inertias[i].in_parent(rest_axes(anatomy_));
       for (const Shape& s : human_shapes(build, static_cast<int>(i))) link.shapes.push_back(turned(s, anatomy_.R_WA));
-      link.joint = fit_joint(m_, static_cast<int>(i), o_, body_.report);
+      link.joint = fit_joint(m_, static_cast<int>(i), o_, strict_, body_.report);
       set_joint_properties(link.joint, anatomy_, m_.skeleton.joints[i], static_cast<int>(i), build.mass);
       moved += link.joint.nv() > 0 ? 1 : 0;
     }
@@ -176,7 +186,7 @@ class Maker {
       shape.thickness = sole.thickness;
       const double ball = dot(bone, shape.foot_forward);
       shape.tip = std::max(dot(toes, shape.toes_forward), 0.028 * build.height);
-      shape.heel = std::clamp(foot_length * build.height - ball - shape.tip, 0.026 * build.height, 0.048 * build.height);
+      shape.heel = std::clamp(foot_length * build.height - ball - shape.tip, 0.026 * build.height, 0.036 * build.height);
       shape.ankle = std::max(0.02 * build.height, sole.thickness - dot(bone, shape.foot_up));
       build.soles.push_back(shape);
     }
@@ -239,7 +249,7 @@ class Maker {
         if (norm(b) > least) link.shapes.push_back(Shape::capsule(std::max(0.1 * norm(b), 0.4 * least), {}, b));
       if (link.shapes.empty()) link.shapes.push_back(Shape::sphere(std::max(0.08 * length, least)));
       for (const Shape& s : link.shapes) link.inertia += solid_inertia(s, 1000);
-      link.joint = fit_joint(m_, static_cast<int>(i), o_, body_.report);
+      link.joint = fit_joint(m_, static_cast<int>(i), o_, strict_, body_.report);
       const double scale = link.inertia.mass;
       set_joint_properties(link.joint, anatomy_, m_.skeleton.joints[i], static_cast<int>(i), std::max(0.1, scale));
     }
@@ -310,6 +320,7 @@ class Maker {
   Anatomy anatomy_;
   MechanismSpec spec_;
   LinkSpec* donor_ = nullptr;
+  bool strict_ = false;
   Body body_;
 };
 

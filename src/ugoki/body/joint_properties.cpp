@@ -118,12 +118,17 @@ void set_joint_properties(Joint& joint, const Anatomy& anatomy, const SkeletonJo
     }
     return;
   }
+  if (place.part == Part::forearm && nv == 1) {  // an elbow that is a hinge flexes in the positive sense
+    joint.freedoms[0].lower = -10 * degree;
+    joint.freedoms[0].upper = 150 * degree;
+    return;
+  }
   for (int k = 0; k < nv; ++k) {
     // Along one axis: as far as the box of ranges allows.
     const Vec3 axis = transpose_times(anatomy.R_WA, k == 0 ? joint.axis : joint.axis2);
     double low = 1e9, high = 1e9;
     for (int c = 0; c < 3; ++c) {
-      if (std::fabs(axis[c]) < 0.3) continue;
+      if (std::fabs(axis[c]) < 0.5) continue;  // a shank that is spread at rest still bends like a knee
       low = std::min(low, axis[c] > 0 ? -lower[c] / axis[c] : upper[c] / -axis[c]);
       high = std::min(high, axis[c] > 0 ? upper[c] / axis[c] : -lower[c] / -axis[c]);
     }

@@ -11,6 +11,7 @@ namespace {
 constexpr double degree = pi / 180;
 constexpr double unmoved = 0.01 * degree;   // below this a joint counts as not moved
 constexpr double position_tolerance = 2e-7; // m; what one joint may add to the error of the positions that hang on it
+constexpr double hinge_tolerance = 8e-7;    // m; the same for a hinge and its children only
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -47,8 +48,8 @@ void universal_angles(const Vec3& axis, const Vec3& axis2, const Mat3& R, double
   q[1] = twist_angle(to_quat(rotation_about(axis, -q[0]) * R), axis2);
 }
 
-double near(double angle, double reference) {
-  double turns = (angle - reference) / (2 * pi);
+double nearest(double angle, double reference) {
+  const double turns = (angle - reference) / (2 * pi);
   return angle - 2 * pi * std::floor(turns + 0.5);
 }
 
@@ -86,6 +87,10 @@ std::optional<Joint> fit_hinge(const MeasuredMotion& m, int i, const Joint& base
   Joint joint = base;
   joint.type = JointType::revolute;
   joint.axis = principal_direction(turns);
+  // Positive is the way it bends most of the time: knees and elbows flex.
+  double mean = 0;
+  for (int f = 0; f < m.frames; ++f) mean += twist_angle(rotation(m, f, i), joint.axis);
+  if (mean < 0) joint.axis = -joint.axis;
   // The first rotation = a constant one, then a turn about the axis; most often the constant is none.
   const Quat constant = normalized(first * axis_angle(joint.axis, -twist_angle(first, joint.axis)));
   joint.X_PJ.R = angle_of(constant) < 1e-5 ? Mat3::identity() : to_matrix(constant);
@@ -95,7 +100,7 @@ std::optional<Joint> fit_hinge(const MeasuredMotion& m, int i, const Joint& base
 
 }  // namespace
 
-Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, std::vector<std::string>& report) {
+Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool strict, std::vector<std::string>& report) {
   const SkeletonJoint& source = m.skeleton.joints[at(i)];
   Joint joint;
   if (source.parent < 0) {
@@ -123,6 +128,10 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, std:
   // How it turns.
   const double reach = reach_of(m.skeleton, i);
   const double tolerance = std::min(1e-5, reach > 0 ? position_tolerance / reach : 1.0);
+  double near = 0;
+  for (const SkeletonJoint& j : m.skeleton.joints)
+    if (j.parent == i) near = std::max(near, norm(j.offset));
+  const double near_tolerance = std::min(1e-5, near > 0 ? hinge_tolerance / near : 1.0);
   double moved = 0;
   for (int f = 1; f < m.frames; ++f) moved = std::max(moved, angle_of(rotation(m, 0, i).conjugate() * rotation(m, f, i)));
   const bool still = moved < std::min(unmoved, std::max(tolerance, 1e-9));
@@ -141,7 +150,7 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, std:
     if (worst_misfit(m, i, joint) <= tolerance) return joint;
   }
   if (!options.keep_unmoved)
-    if (const auto hinge = fit_hinge(m, i, joint, tolerance)) return *hinge;
+    if (const auto hinge = fit_hinge(m, i, joint, strict ? tolerance : near_tolerance)) return *hinge;
   joint.type = JointType::spherical;
   joint.axis = {0, 0, 1};
   joint.axis2 = {0, 1, 0};
@@ -153,12 +162,12 @@ void find_coordinates(const Joint& joint, const Mat3& R_PB, const double* previo
   switch (joint.type) {
     case JointType::revolute:
       q[0] = twist_angle(to_quat(R), joint.axis);
-      q[0] = near(q[0], previous ? previous[0] : 0);
+      q[0] = nearest(q[0], previous ? previous[0] : 0);
       return;
     case JointType::universal:
       universal_angles(joint.axis, joint.axis2, R, q);
-      q[0] = near(q[0], previous ? previous[0] : 0);
-      q[1] = near(q[1], previous ? previous[1] : 0);
+      q[0] = nearest(q[0], previous ? previous[0] : 0);
+      q[1] = nearest(q[1], previous ? previous[1] : 0);
       return;
     case JointType::spherical: {
       Quat r = to_quat(R);

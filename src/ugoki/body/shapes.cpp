@@ -156,7 +156,7 @@ class Modeller {
     return arm.end >= 0 ? arm.end : arm.distal;
   }
 
-  /// Invisible boxes bear on the ground; capsules that lie on the same plane are seen.
+  /// Invisible boxes and a round heel bear on the ground; capsules that lie on the same plane are seen.
   void sole() {
     const SoleShape* s = b_.sole_of(i_);
     if (!s) return;
@@ -172,14 +172,18 @@ class Modeller {
       const double across = dot(s->ball, R.column(1));
       const double ground = dot(s->ball, s->foot_up) - s->thickness;
       const double height = 0.8 * s->thickness;
-      Shape box = Shape::box({0.5 * (front + s->heel), 0.040 * w_, 0.5 * height},
-                             {R, R * Vec3{0.5 * (front - s->heel), 0.5 * across, ground + 0.5 * height}});
+      // A round heel, as heels are: the foot rolls over it at heel strike. Ahead of it the sole is flat.
+      const double heel_r = std::min(0.04 * h_, 0.6 * s->ankle);
+      const double back = std::max(0.0, s->heel - heel_r);
+      Shape box = Shape::box({0.5 * (front + back), 0.040 * w_, 0.5 * height},
+                             {R, R * Vec3{0.5 * (front - back), 0.5 * across, ground + 0.5 * height}});
       box.visible = false;
       out_.push_back(box);
-      const double heel_r = 0.034 * w_;
+      const Vec3 heel{-s->heel + heel_r, 0, ground + heel_r}, sideways{0, 0.016 * w_, 0};
+      out_.push_back(Shape::capsule(heel_r, R * (heel - sideways), R * (heel + sideways)));
       for (const double e : {1.0, -1.0})
         out_.push_back(decoration(Shape::capsule(r, R * Vec3{-s->heel + heel_r, e * 0.004 * w_, ground + r}, R * Vec3{front - 0.3 * r, across + e * 0.018 * w_, ground + r})));
-      out_.push_back(decoration(Shape::capsule(heel_r, R * Vec3{-s->heel + heel_r + 0.01 * h_, 0, ground + heel_r}, R * Vec3{0.01 * h_, 0, 0})));
+      out_.push_back(decoration(Shape::capsule(0.034 * w_, R * (heel + Vec3{0.004 * h_, 0, 0}), R * Vec3{0.008 * h_, 0, 0})));
       out_.push_back(decoration(Shape::capsule(0.030 * w_, R * Vec3{0.012 * h_, 0, -0.01 * h_}, R * Vec3{front - 0.02 * h_, 0.8 * across, ground + 0.032 * w_})));
       return;
     }
