@@ -1,0 +1,64 @@
+/** Everything that can be done by name: the palette, the keys and the buttons all come from this list. */
+import type { KeymapName } from './keymap';
+
+export interface AppCommand {
+  id: string;
+  label: string;
+  group: string;
+  /** In both keymaps, or in one. */
+  keys?: string[];
+  industry?: string[];
+  blender?: string[];
+  enabled?: () => boolean;
+  run: () => void;
+}
+
+export class CommandRegistry {
+  private readonly commands = new Map<string, AppCommand>();
+
+  add(...commands: AppCommand[]): void {
+    for (const command of commands) {
+      if (this.commands.has(command.id)) throw new Error(`command ${command.id} is registered twice`);
+      this.commands.set(command.id, command);
+    }
+  }
+
+  get(id: string): AppCommand | undefined {
+    return this.commands.get(id);
+  }
+
+  all(): AppCommand[] {
+    return [...this.commands.values()];
+  }
+
+  keys_of(command: AppCommand, keymap: KeymapName): string[] {
+    return [...(command.keys ?? []), ...((keymap === 'industry' ? command.industry : command.blender) ?? [])];
+  }
+
+  by_key(key: string, keymap: KeymapName): AppCommand | undefined {
+    return this.all().find((command) => this.keys_of(command, keymap).includes(key));
+  }
+
+  /** Runs it if it is known and possible now. */
+  run(id: string): boolean {
+    const command = this.commands.get(id);
+    if (!command || command.enabled?.() === false) return false;
+    command.run();
+    return true;
+  }
+
+  /** Commands whose label or group holds every word of `query`, the best first: matches at the start of the label, then in it. */
+  search(query: string): AppCommand[] {
+    const words = query.toLowerCase().split(/\s+/).filter(Boolean);
+    if (words.length === 0) return this.all();
+    const scored: { command: AppCommand; score: number }[] = [];
+    for (const command of this.all()) {
+      const label = command.label.toLowerCase();
+      const text = `${label} ${command.group.toLowerCase()}`;
+      if (!words.every((word) => text.includes(word))) continue;
+      const first = words[0]!;
+      scored.push({ command, score: label.startsWith(first) ? 0 : label.includes(` ${first}`) ? 1 : label.includes(first) ? 2 : 3 });
+    }
+    return scored.sort((a, b) => a.score - b.score).map((entry) => entry.command);
+  }
+}

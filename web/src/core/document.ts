@@ -1,0 +1,160 @@
+/**
+ * The scenario document (docs/scenario.md) and its commands. The service owns the truth; `apply_command` here repeats only what
+ * the page needs to preview a drag before the service has answered.
+ */
+import type { Vec3 } from './protocol';
+
+export interface Place {
+  x: number;
+  y: number;
+  z: number;
+  /** degrees about Z */
+  heading: number;
+}
+
+export interface Control {
+  mode: 'track' | 'passive';
+  tracking: number;
+  balance: number;
+  /** body weights */
+  assist_limit: number;
+  beyond: string;
+}
+
+export interface Clip {
+  id: string;
+  motion: string;
+  /** s */
+  start: number;
+  length: number;
+  /** s into the motion, at speed 1 */
+  offset: number;
+  speed: number;
+  /** s of cross-fade from the clip before */
+  blend: number;
+  loop: boolean;
+}
+
+export interface Character {
+  id: string;
+  name: string;
+  mechanism: string;
+  color?: string;
+  place: Place;
+  control: Control;
+  track: Clip[];
+}
+
+export interface ScenarioEvent {
+  id: string;
+  type: string;
+  time: number;
+  duration?: number;
+  character?: string;
+  link?: string;
+  force?: Vec3;
+  from?: Vec3;
+  velocity?: Vec3;
+  spin?: Vec3;
+}
+
+export interface ScenarioDocument {
+  version: number;
+  name: string;
+  duration: number;
+  frame_rate: number;
+  step: number;
+  gravity: Vec3;
+  ground: { height: number; friction: number; restitution: number };
+  characters: Character[];
+  events: ScenarioEvent[];
+  camera?: { follow?: string | null; distance?: number; azimuth?: number; elevation?: number };
+  look?: { light?: number; floor?: string };
+  circuit?: unknown;
+}
+
+export type ClipFields = Partial<Omit<Clip, 'id'>>;
+
+export type Command =
+  | ({ type: 'clip.add'; character: string; motion: string; start: number; id?: string } & ClipFields)
+  | ({ type: 'clip.set'; character: string; id: string } & ClipFields)
+  | { type: 'clip.remove'; character: string; id: string }
+  | { type: 'clip.split'; character: string; id: string; time: number }
+  | { type: 'character.add'; mechanism: string; id?: string; name?: string; place?: Partial<Place>; color?: string; control?: Partial<Control> }
+  | { type: 'character.set'; id: string; name?: string; color?: string; place?: Partial<Place>; control?: Partial<Control> }
+  | { type: 'character.remove'; id: string }
+  | { type: 'event.add'; event: Omit<ScenarioEvent, 'id'> & { id?: string } }
+  | { type: 'event.set'; id: string; event: Partial<Omit<ScenarioEvent, 'id' | 'type'>> }
+  | { type: 'event.remove'; id: string }
+  | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'circuit'>>)
+  | { type: 'group'; label: string; commands: Command[] };
+
+export const find_character = (doc: ScenarioDocument, id: string): Character | undefined => doc.characters.find((c) => c.id === id);
+
+export function find_clip(doc: ScenarioDocument, character: string, id: string): Clip | undefined {
+  return find_character(doc, character)?.track.find((k) => k.id === id);
+}
+
+export const find_event = (doc: ScenarioDocument, id: string): ScenarioEvent | undefined => doc.events.find((e) => e.id === id);
+
+/** The end of the last clip or event, s; what "fit" shows and where a new clip goes. */
+export function content_end(doc: ScenarioDocument): number {
+  let end = 0;
+  for (const c of doc.characters) for (const k of c.track) end = Math.max(end, k.start + k.length);
+  for (const e of doc.events) end = Math.max(end, e.time + (e.duration ?? 0));
+  return end;
+}
+
+export function track_end(character: Character): number {
+  return character.track.reduce((end, k) => Math.max(end, k.start + k.length), 0);
+}
+
+const map_character = (doc: ScenarioDocument, id: string, change: (c: Character) => Character): ScenarioDocument => ({
+  ...doc,
+  characters: doc.characters.map((c) => (c.id === id ? change(c) : c)),
+});
+
+/** The document as it will be if the service accepts `command`; commands that need the service's knowledge leave it as it is. */
+export function apply_command(doc: ScenarioDocument, command: Command): ScenarioDocument {
+  switch (command.type) {
+    case 'clip.set': {
+      const { type: _type, character, id, ...fields } = command;
+      return map_character(doc, character, (c) => ({ ...c, track: c.track.map((k) => (k.id === id ? { ...k, ...fields } : k)) }));
+    }
+    case 'clip.remove':
+      return map_character(doc, command.character, (c) => ({ ...c, track: c.track.filter((k) => k.id !== command.id) }));
+    case 'character.set': {
+      const { type: _type, id, place, control, ...fields } = command;
+      return map_character(doc, id, (c) => ({ ...c, ...fields, place: { ...c.place, ...place }, control: { ...c.control, ...control } }));
+    }
+    case 'character.remove':
+      return { ...doc, characters: doc.characters.filter((c) => c.id !== command.id) };
+    case 'event.set': {
+      const { id, event } = command;
+      return { ...doc, events: doc.events.map((e) => (e.id === id ? { ...e, ...event } : e)) };
+    }
+    case 'event.remove':
+      return { ...doc, events: doc.events.filter((e) => e.id !== command.id) };
+    case 'scenario.set': {
+      const { type: _type, ...fields } = command;
+      return { ...doc, ...fields };
+    }
+    case 'group':
+      return command.commands.reduce(apply_command, doc);
+    default:
+      return doc;
+  }
+}
+
+/** Overlaps of clips on one track, s: where the later one blends in. */
+export function blend_spans(track: readonly Clip[]): { from: number; to: number; into: string }[] {
+  const sorted = [...track].sort((a, b) => a.start - b.start);
+  const spans: { from: number; to: number; into: string }[] = [];
+  for (let i = 1; i < sorted.length; i++) {
+    const before = sorted[i - 1]!;
+    const clip = sorted[i]!;
+    const to = Math.min(before.start + before.length, clip.start + clip.length);
+    if (to > clip.start + 1e-9) spans.push({ from: clip.start, to, into: clip.id });
+  }
+  return spans;
+}

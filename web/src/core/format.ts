@@ -1,0 +1,67 @@
+/** How numbers look on screen. */
+
+/** 3.42 → "00:03.42" */
+export function format_time(seconds: number): string {
+  const sign = seconds < 0 ? '-' : '';
+  const hundredths = Math.round(Math.abs(seconds) * 100);
+  const minutes = Math.floor(hundredths / 6000);
+  const rest = hundredths - minutes * 6000;
+  return `${sign}${String(minutes).padStart(2, '0')}:${String(Math.floor(rest / 100)).padStart(2, '0')}.${String(rest % 100).padStart(2, '0')}`;
+}
+
+/** At most `digits` decimals, without trailing zeros or a negative zero. */
+export function format_number(value: number, digits = 2): string {
+  if (!Number.isFinite(value)) return '–';
+  const text = value.toFixed(digits);
+  const trimmed = text.includes('.') ? text.replace(/0+$/, '').replace(/\.$/, '') : text;
+  return trimmed === '-0' ? '0' : trimmed;
+}
+
+/** A ruler's label: "0", "1 s", "1:30". */
+export function format_ruler(time: number, label_step: number): string {
+  const t = Math.round(time * 1000) / 1000;
+  if (t === 0) return '0';
+  if (Math.abs(t) >= 60) {
+    const minutes = Math.floor(t / 60);
+    return `${minutes}:${String(Math.round(t - minutes * 60)).padStart(2, '0')}`;
+  }
+  const digits = label_step >= 1 ? 0 : label_step >= 0.1 ? 1 : 2;
+  return `${t.toFixed(digits)} s`;
+}
+
+export const format_percent = (fraction: number, digits = 1): string => `${(fraction * 100).toFixed(digits)} %`;
+
+/** "38×", "0.4×" */
+export function format_factor(factor: number): string {
+  if (!Number.isFinite(factor) || factor <= 0) return '–';
+  return `${factor >= 10 ? factor.toFixed(0) : factor.toFixed(1)}×`;
+}
+
+/** "Human 1.75 m · 62 freedoms · 70 kg" without what is not known. */
+export const join_facts = (facts: (string | undefined | false)[]): string => facts.filter(Boolean).join(' · ');
+
+/**
+ * What a person typed into a numeric field: a number, with comma or point, or a small sum ("1.2+0.3", "90/2"); a unit after it
+ * is passed over. Null if it is none.
+ */
+export function parse_number(text: string): number | null {
+  const cleaned = text.trim().replace(/,/g, '.').replace(/\u2212/g, '-').replace(/\s*(?:[a-z°%×][a-z°%×\s/]*)$/i, '');
+  if (!/^[-+0-9.*/ e()]+$/i.test(cleaned)) return null;
+  const tokens = cleaned.match(/\d+\.?\d*(?:e[-+]?\d+)?|\.\d+|[-+*/]/gi);
+  if (!tokens || tokens.join('') !== cleaned.replace(/\s/g, '')) return null;
+  let at = 0;
+  const factor = (): number => {
+    const token = tokens[at++];
+    if (token === '-') return -factor();
+    if (token === '+') return factor();
+    return token === undefined ? NaN : Number(token);
+  };
+  const product = (): number => {
+    let value = factor();
+    while (tokens[at] === '*' || tokens[at] === '/') value = tokens[at++] === '*' ? value * factor() : value / factor();
+    return value;
+  };
+  let value = product();
+  while (tokens[at] === '+' || tokens[at] === '-') value = tokens[at++] === '+' ? value + product() : value - product();
+  return at === tokens.length && Number.isFinite(value) ? value : null;
+}

@@ -1,0 +1,175 @@
+/** Messages between the page and the service: docs/studio-protocol.md, type by type. */
+import type { Command, ScenarioDocument } from './document';
+
+export interface Problem {
+  code?: string;
+  place?: string;
+  message: string;
+  remedy?: string;
+}
+
+export interface ServiceError {
+  problems: Problem[];
+}
+
+export interface CharacterInfo {
+  id: string;
+  name: string;
+  mechanism: string;
+  /** Number of links, or their names: frames hold one pose for each. */
+  links: number | string[];
+}
+
+export interface ProjectInfo {
+  path: string;
+  name: string;
+  unsaved: boolean;
+}
+
+export type Mode = 'edit' | 'simulate';
+
+export interface Transport {
+  mode: Mode;
+  playing: boolean;
+  speed: number;
+  /** s */
+  time: number;
+  duration: number;
+  /** s recorded so far in simulation */
+  simulated: number;
+  steps_per_s: number;
+  realtime_factor: number;
+  status: string;
+}
+
+export interface CharacterSummary {
+  id: string;
+  /** body weights, rms */
+  assist_rms_bw: number;
+  foot_skate_cm: number;
+  tracking_rms_deg: number;
+  penetration_mm: number;
+  fell: boolean;
+}
+
+export interface ContactSpan {
+  character: string;
+  from: number;
+  to: number;
+  /** 0 flight, 1 one foot, 2 or more: both */
+  feet: number;
+}
+
+export interface Summary {
+  characters: CharacterSummary[];
+  contacts: ContactSpan[];
+}
+
+export interface DocumentState {
+  document: ScenarioDocument;
+  revision: number;
+  can_undo: boolean;
+  can_redo: boolean;
+  undo_label: string;
+  redo_label: string;
+  characters: CharacterInfo[];
+}
+
+export interface HelloReply extends DocumentState {
+  project: ProjectInfo;
+  transport: Transport;
+  keymap?: string;
+  circuit?: CircuitData | null;
+}
+
+export interface CircuitData {
+  lsis: { id: string; type: string; name?: string; pins?: { name: string; direction: 'in' | 'out'; type: string }[] }[];
+  /** Ends as "lsi.pin" or as [lsi, pin]. */
+  wires: { from: string | [string, string]; to: string | [string, string] }[];
+}
+
+export interface LogLine {
+  level: 'info' | 'warning' | 'error';
+  text: string;
+}
+
+export type ServiceEvent =
+  | ({ event: 'document'; unsaved: boolean } & DocumentState)
+  | ({ event: 'transport' } & Transport)
+  | ({ event: 'summary' } & Summary)
+  | ({ event: 'log' } & LogLine)
+  | { event: 'stopped'; reason: string };
+
+export type Request =
+  | { op: 'hello' }
+  | { op: 'command'; command: Command }
+  | { op: 'undo' | 'redo' | 'pause' | 'restart' | 'release' }
+  | { op: 'save'; path?: string }
+  | { op: 'mode'; mode: Mode }
+  | { op: 'play'; speed?: number }
+  | { op: 'step'; frames: 1 | -1 }
+  | { op: 'seek'; time: number }
+  | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
+  | { op: 'drag'; target: Vec3 }
+  | { op: 'push'; character: string; link: number; force: Vec3; duration: number };
+
+export type Vec3 = [number, number, number];
+
+export interface LibraryEntry {
+  id: string;
+  kind: 'mechanism' | 'motion';
+  name: string;
+  summary?: string;
+  tags?: string[] | string;
+  mechanism?: string;
+  duration?: number;
+  rate?: number;
+  frames?: number;
+  freedoms?: number;
+  mass?: number;
+  height?: number;
+  cyclic?: boolean;
+  created?: string;
+  /** 0 ... 1 over the motion's time, of the freedom that moves most. */
+  curve?: number[];
+}
+
+export interface ShapeData {
+  type: 'capsule' | 'sphere' | 'box';
+  radius?: number;
+  /** capsule: centre to the centre of a cap, along the shape's z */
+  half_length?: number;
+  half_extents?: Vec3;
+  /** x, y, z, qw, qx, qy, qz in the link's frame */
+  pose: number[];
+}
+
+export interface LinkData {
+  name: string;
+  label?: string;
+  parent: number;
+  joint: string;
+  freedoms: number;
+  shapes: ShapeData[];
+  /** World pose in the neutral position: x, y, z, qw, qx, qy, qz. */
+  neutral?: number[];
+}
+
+export interface MechanismData {
+  id: string;
+  name: string;
+  freedoms: number;
+  mass: number;
+  height: number;
+  links: LinkData[];
+}
+
+/** What went wrong in the words of the service; always with at least one problem. */
+export class RequestError extends Error {
+  readonly problems: Problem[];
+  constructor(error: Partial<ServiceError> | undefined, fallback: string) {
+    const problems = error?.problems?.length ? error.problems : [{ message: fallback }];
+    super(problems[0]?.message ?? fallback);
+    this.problems = problems;
+  }
+}

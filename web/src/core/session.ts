@@ -1,0 +1,400 @@
+/** One page's work with the service: the state, the requests that change it, and what comes back. Framework-free. */
+import { createStore, type StoreApi } from 'zustand/vanilla';
+import { Client, LatestOnly, type SocketLike } from './client';
+import { apply_command, type Command, type ScenarioDocument } from './document';
+import { FrameRing } from './frames';
+import {
+  RequestError,
+  type DocumentState,
+  type HelloReply,
+  type LibraryEntry,
+  type MechanismData,
+  type Mode,
+  type Problem,
+  type Request,
+  type ServiceError,
+  type ServiceEvent,
+  type Vec3,
+} from './protocol';
+import { initial_state, valid_selection, type Selection, type StudioState, type Toast } from './state';
+
+const log_capacity = 500;
+
+export interface SessionOptions {
+  make_socket: () => SocketLike;
+  fetch: (path: string, init?: RequestInit) => Promise<Response>;
+  storage?: Pick<Storage, 'getItem' | 'setItem'>;
+}
+
+export class Session {
+  readonly store: StoreApi<StudioState>;
+  readonly frames = new FrameRing();
+  private readonly client: Client;
+  private readonly seeks: LatestOnly<number>;
+  private readonly drags: LatestOnly<Vec3>;
+  private pending_edits = 0;
+  private next_id = 1;
+  private preview_timer: ReturnType<typeof setTimeout> | null = null;
+  private readonly fetching = new Set<string>();
+
+  constructor(private readonly options: SessionOptions) {
+    this.store = createStore<StudioState>(() => ({ ...initial_state, ...this.remembered() }));
+    this.client = new Client(options.make_socket, {
+      connected: (hello) => this.connected(hello),
+      disconnected: (retry_ms) => this.set({ connection: 'lost', retry_at: Date.now() + retry_ms }),
+      event: (event) => this.event(event),
+      frame: (frame) => this.frames.push(frame),
+      protocol_error: (message) => this.log('error', message),
+    });
+    this.seeks = new LatestOnly(
+      (time) => this.client.request({ op: 'seek', time }),
+      (error) => this.fail(error),
+    );
+    this.drags = new LatestOnly(
+      // the service answers a drag only when it fails, so the pace is the page's: one in 16 ms
+      (target) =>
+        new Promise<void>((resolve, reject) => {
+          this.client.request({ op: 'drag', target }).catch(reject);
+          setTimeout(resolve, 16);
+        }),
+      (error) => this.fail(error),
+    );
+  }
+
+  get state(): StudioState {
+    return this.store.getState();
+  }
+
+  set(part: Partial<StudioState>): void {
+    this.store.setState(part);
+  }
+
+  start(): void {
+    this.client.connect();
+    void this.load_library();
+  }
+
+  retry(): void {
+    this.client.retry();
+  }
+
+  // ---- edits ----
+
+  /** Sends one command, shown at once and taken back if the service refuses it. */
+  async edit(command: Command): Promise<boolean> {
+    const { document, preview, revision } = this.state;
+    if (!document) return false;
+    const shown = apply_command(document, command);
+    this.set({ preview: shown === document ? preview : shown });
+    this.pending_edits++;
+    try {
+      await this.client.request({ op: 'command', command });
+      this.pending_edits--;
+      if (this.state.revision !== revision) this.drop_preview();
+      else this.drop_preview_soon();
+      return true;
+    } catch (error) {
+      this.pending_edits--;
+      this.drop_preview();
+      this.fail(error as Error);
+      return false;
+    }
+  }
+
+  /** Shows `document` while a drag goes on; null: ends it. Nothing is sent. */
+  show_preview(document: ScenarioDocument | null): void {
+    this.set({ preview: document });
+  }
+
+  undo(): void {
+    this.send({ op: 'undo' });
+  }
+
+  redo(): void {
+    this.send({ op: 'redo' });
+  }
+
+  save(path?: string): void {
+    this.request(path ? { op: 'save', path } : { op: 'save' }).then(
+      (reply) => {
+        const project = (reply?.project as StudioState['project']) ?? this.state.project;
+        if (project) this.set({ project: { ...project, unsaved: false } });
+        if (reply) this.notify(`Saved ${project?.name ?? ''}`.trim());
+      },
+      () => undefined,
+    );
+  }
+
+  private drop_preview(): void {
+    if (this.preview_timer) clearTimeout(this.preview_timer);
+    this.preview_timer = null;
+    if (this.pending_edits === 0) this.set({ preview: null });
+  }
+
+  private drop_preview_soon(): void {
+    if (this.preview_timer) clearTimeout(this.preview_timer);
+    this.preview_timer = setTimeout(() => this.drop_preview(), 600);
+  }
+
+  // ---- transport ----
+
+  set_mode(mode: Mode): void {
+    if (mode === this.state.transport.mode) return;
+    this.send({ op: 'mode', mode });
+  }
+
+  play(): void {
+    this.set({ stopped: null });
+    this.send({ op: 'play', speed: this.state.transport.speed });
+  }
+
+  pause(): void {
+    this.send({ op: 'pause' });
+  }
+
+  toggle_play(): void {
+    if (this.state.transport.playing) this.pause();
+    else this.play();
+  }
+
+  set_speed(speed: number): void {
+    const { transport } = this.state;
+    this.set({ transport: { ...transport, speed } });
+    if (transport.playing) this.send({ op: 'play', speed });
+  }
+
+  step(frames: 1 | -1): void {
+    this.send({ op: 'step', frames });
+  }
+
+  restart(): void {
+    this.send({ op: 'restart' });
+  }
+
+  /** Many calls while scrubbing become as many seeks as the service can answer. */
+  seek(time: number): void {
+    const { transport, document } = this.state;
+    const limit = document?.duration ?? transport.duration;
+    const clamped = Math.min(Math.max(0, time), limit);
+    this.set({ transport: { ...transport, time: clamped } });
+    this.seeks.offer(clamped);
+  }
+
+  /** The time of the frame last shown, s. */
+  get now(): number {
+    const { transport } = this.state;
+    return transport.playing && this.frames.latest ? this.frames.latest.time : transport.time;
+  }
+
+  // ---- pulling ----
+
+  grab(character: string, link: number, point: Vec3, target: Vec3): void {
+    this.send({ op: 'grab', character, link, point, target });
+  }
+
+  drag(target: Vec3): void {
+    this.drags.offer(target);
+  }
+
+  release(): void {
+    this.send({ op: 'release' });
+  }
+
+  push(character: string, link: number, force: Vec3, duration: number): void {
+    this.send({ op: 'push', character, link, force, duration });
+  }
+
+  // ---- library ----
+
+  async load_library(): Promise<void> {
+    try {
+      const answer = await this.fetch_json<{ entries: LibraryEntry[] }>('api/library');
+      this.set({ library: answer.entries, library_state: 'ready' });
+      for (const entry of answer.entries) if (entry.kind === 'mechanism') void this.need_mechanism(entry.id);
+    } catch (error) {
+      this.set({ library_state: 'failed' });
+      this.fail(error as Error);
+    }
+  }
+
+  async import_files(files: readonly File[]): Promise<void> {
+    // skeletons first: AMC files need their ASF
+    const ordered = [...files].sort((a, b) => Number(/\.asf$/i.test(b.name)) - Number(/\.asf$/i.test(a.name)));
+    for (const file of ordered) {
+      try {
+        const answer = await this.fetch_json<{ entries: LibraryEntry[]; report?: string[] }>(
+          `api/import?name=${encodeURIComponent(file.name)}`,
+          { method: 'POST', body: file },
+        );
+        const lines = answer.report ?? [];
+        this.set({ import_report: { file: file.name, lines } });
+        this.log('info', `Imported ${file.name}: ${answer.entries.map((e) => e.name).join(', ') || 'nothing new'}`);
+        await this.load_library();
+        const first = answer.entries.find((e) => e.kind === 'motion') ?? answer.entries[0];
+        if (first) this.select({ kind: 'entry', entry: first.id });
+      } catch (error) {
+        this.fail(error as Error, file.name);
+      }
+    }
+  }
+
+  async need_mechanism(id: string): Promise<void> {
+    if (this.state.mechanisms[id] || this.fetching.has(id)) return;
+    this.fetching.add(id);
+    try {
+      const mechanism = await this.fetch_json<MechanismData>(`api/mechanism/${encodeURIComponent(id)}`);
+      this.set({ mechanisms: { ...this.state.mechanisms, [id]: mechanism } });
+    } catch (error) {
+      this.fail(error as Error);
+    } finally {
+      this.fetching.delete(id);
+    }
+  }
+
+  entry(id: string): LibraryEntry | undefined {
+    return this.state.library.find((e) => e.id === id);
+  }
+
+  /** A new id for what the page adds; the service refuses one that is taken. */
+  fresh_id(prefix: string): string {
+    return prefix + Math.floor((Date.now() % 1e9) * 36 + Math.random() * 36).toString(36);
+  }
+
+  // ---- messages ----
+
+  select(selection: Selection): void {
+    this.set({ selection });
+  }
+
+  notify(message: string, level: Toast['level'] = 'info'): void {
+    this.toast(level, [{ message }]);
+  }
+
+  fail(error: Error, place?: string): void {
+    const problems: Problem[] = error instanceof RequestError ? error.problems : [{ message: error.message }];
+    const shown = place ? problems.map((p) => ({ ...p, place: p.place || place })) : problems;
+    this.toast('error', shown);
+    for (const p of shown) this.log('error', [p.place, p.message, p.remedy].filter(Boolean).join(' — '));
+  }
+
+  dismiss(id: number): void {
+    this.set({ toasts: this.state.toasts.filter((t) => t.id !== id) });
+  }
+
+  log(level: 'info' | 'warning' | 'error', text: string): void {
+    const line = { id: this.next_id++, at: new Date(), level, text };
+    this.set({ log: [...this.state.log.slice(-log_capacity + 1), line] });
+  }
+
+  /** Keeps a choice of this browser. */
+  remember(): void {
+    const { keymap, theme, view } = this.state;
+    this.options.storage?.setItem('ugoki.choices', JSON.stringify({ keymap, theme, view }));
+  }
+
+  private remembered(): Partial<StudioState> {
+    try {
+      const text = this.options.storage?.getItem('ugoki.choices');
+      const saved = text ? (JSON.parse(text) as Partial<StudioState>) : {};
+      return {
+        keymap: saved.keymap === 'blender' ? 'blender' : 'industry',
+        theme: saved.theme === 'light' ? 'light' : 'dark',
+        view: { ...initial_state.view, ...saved.view, follow: false },
+      };
+    } catch {
+      return {};
+    }
+  }
+
+  private toast(level: Toast['level'], problems: Problem[]): void {
+    const toast = { id: this.next_id++, level, problems };
+    this.set({ toasts: [...this.state.toasts.slice(-3), toast] });
+    if (level === 'info') setTimeout(() => this.dismiss(toast.id), 3500);
+  }
+
+  private request(request: Request): Promise<Record<string, unknown> | null> {
+    return this.client.request(request).catch((error: Error) => {
+      this.fail(error);
+      return null;
+    });
+  }
+
+  private send(request: Request): void {
+    void this.request(request);
+  }
+
+  private async fetch_json<T>(path: string, init?: RequestInit): Promise<T> {
+    let response: Response;
+    try {
+      response = await this.options.fetch(path, init);
+    } catch {
+      throw new RequestError({ problems: [{ message: 'The studio does not answer.', remedy: 'See whether `ugoki studio` still runs.' }] }, '');
+    }
+    const text = await response.text();
+    let body: unknown;
+    try {
+      body = JSON.parse(text);
+    } catch {
+      throw new RequestError(undefined, text.trim().slice(0, 300) || `The studio answered ${response.status} without a reason.`);
+    }
+    if (!response.ok) throw new RequestError((body as { error?: ServiceError }).error, `The studio answered ${response.status}.`);
+    return body as T;
+  }
+
+  private connected(hello: HelloReply): void {
+    this.take_document(hello);
+    const view = { ...this.state.view };
+    if (this.state.connection === 'connecting' && hello.document.camera?.follow) view.follow = true;
+    this.set({
+      connection: 'open',
+      project: hello.project,
+      transport: { ...this.state.transport, ...hello.transport },
+      circuit: hello.circuit ?? null,
+      view,
+      stopped: null,
+    });
+  }
+
+  private take_document(state: DocumentState): void {
+    this.frames.clear();
+    this.set({
+      document: state.document,
+      revision: state.revision,
+      can_undo: state.can_undo,
+      can_redo: state.can_redo,
+      undo_label: state.undo_label ?? '',
+      redo_label: state.redo_label ?? '',
+      characters: state.characters,
+      selection: valid_selection(this.state.selection, state.document),
+    });
+    for (const character of state.characters) void this.need_mechanism(character.mechanism);
+    this.drop_preview();
+  }
+
+  private event(event: ServiceEvent): void {
+    switch (event.event) {
+      case 'document': {
+        this.take_document(event);
+        const { project } = this.state;
+        if (project) this.set({ project: { ...project, unsaved: event.unsaved } });
+        break;
+      }
+      case 'transport': {
+        const { event: _name, ...transport } = event;
+        if (transport.mode !== this.state.transport.mode) this.set({ summary: initial_state.summary });
+        this.set({ transport: { ...this.state.transport, ...transport } });
+        break;
+      }
+      case 'summary':
+        this.set({ summary: { characters: event.characters ?? [], contacts: event.contacts ?? [] } });
+        break;
+      case 'log':
+        this.log(event.level, event.text);
+        break;
+      case 'stopped':
+        this.set({ stopped: event.reason });
+        this.log('error', event.reason);
+        break;
+    }
+  }
+}

@@ -1,0 +1,134 @@
+/** The page's state: what React draws. Frames are not in it; they go from the ring straight to the viewport. */
+import type { ScenarioDocument } from './document';
+import type { KeymapName } from './keymap';
+import type { CharacterInfo, CircuitData, LibraryEntry, LogLine, MechanismData, Problem, ProjectInfo, Summary, Transport } from './protocol';
+
+export type Selection =
+  | { kind: 'none' }
+  | { kind: 'character'; character: string; link?: number }
+  | { kind: 'clip'; character: string; clip: string }
+  | { kind: 'event'; event: string }
+  | { kind: 'entry'; entry: string };
+
+export interface Toast {
+  id: number;
+  level: 'info' | 'error';
+  problems: Problem[];
+}
+
+export interface ViewOptions {
+  perspective: boolean;
+  ghosts: boolean;
+  trail: boolean;
+  contacts: boolean;
+  follow: boolean;
+  assist: boolean;
+}
+
+export interface LoggedLine extends LogLine {
+  id: number;
+  at: Date;
+}
+
+export interface StudioState {
+  connection: 'connecting' | 'open' | 'lost';
+  /** Date.now() at which the next attempt starts. */
+  retry_at: number;
+  project: ProjectInfo | null;
+  /** The service's truth. */
+  document: ScenarioDocument | null;
+  /** The document while a drag or an unanswered edit is shown; null: `document` is what counts. */
+  preview: ScenarioDocument | null;
+  revision: number;
+  can_undo: boolean;
+  can_redo: boolean;
+  undo_label: string;
+  redo_label: string;
+  characters: CharacterInfo[];
+  transport: Transport;
+  summary: Summary;
+  circuit: CircuitData | null;
+  log: LoggedLine[];
+  /** Reason why the interpreter stopped, until the next start. */
+  stopped: string | null;
+  library: LibraryEntry[];
+  library_state: 'loading' | 'ready' | 'failed';
+  mechanisms: Record<string, MechanismData>;
+  selection: Selection;
+  view: ViewOptions;
+  keymap: KeymapName;
+  theme: 'dark' | 'light';
+  toasts: Toast[];
+  dialog: 'none' | 'palette' | 'keys' | 'save_as';
+  import_report: { file: string; lines: string[] } | null;
+}
+
+export const initial_transport: Transport = {
+  mode: 'edit',
+  playing: false,
+  speed: 1,
+  time: 0,
+  duration: 0,
+  simulated: 0,
+  steps_per_s: 0,
+  realtime_factor: 0,
+  status: '',
+};
+
+export const initial_state: StudioState = {
+  connection: 'connecting',
+  retry_at: 0,
+  project: null,
+  document: null,
+  preview: null,
+  revision: -1,
+  can_undo: false,
+  can_redo: false,
+  undo_label: '',
+  redo_label: '',
+  characters: [],
+  transport: initial_transport,
+  summary: { characters: [], contacts: [] },
+  circuit: null,
+  log: [],
+  stopped: null,
+  library: [],
+  library_state: 'loading',
+  mechanisms: {},
+  selection: { kind: 'none' },
+  view: { perspective: true, ghosts: false, trail: false, contacts: false, follow: false, assist: true },
+  keymap: 'industry',
+  theme: 'dark',
+  toasts: [],
+  dialog: 'none',
+  import_report: null,
+};
+
+/** The document to draw. */
+export const shown_document = (state: StudioState): ScenarioDocument | null => state.preview ?? state.document;
+
+/** The character that the selection belongs to. */
+export function selected_character(state: StudioState): string | null {
+  const { selection } = state;
+  if (selection.kind === 'character' || selection.kind === 'clip') return selection.character;
+  if (selection.kind === 'event') return state.document?.events.find((e) => e.id === selection.event)?.character ?? null;
+  return null;
+}
+
+/** The selection, or none if what it names is no longer in `document`. */
+export function valid_selection(selection: Selection, document: ScenarioDocument): Selection {
+  const none: Selection = { kind: 'none' };
+  switch (selection.kind) {
+    case 'character':
+      return document.characters.some((c) => c.id === selection.character) ? selection : none;
+    case 'clip': {
+      const character = document.characters.find((c) => c.id === selection.character);
+      if (character?.track.some((k) => k.id === selection.clip)) return selection;
+      return character ? { kind: 'character', character: character.id } : none;
+    }
+    case 'event':
+      return document.events.some((e) => e.id === selection.event) ? selection : none;
+    default:
+      return selection;
+  }
+}

@@ -1,0 +1,160 @@
+import { DockviewReact, type DockviewApi, type DockviewReadyEvent, type IDockviewPanelHeaderProps } from 'dockview';
+import { useEffect, useRef, type FunctionComponent, type ReactElement } from 'react';
+import { is_typing, key_of } from '../core/keymap';
+import { parts, registry, session, useStudio } from './app';
+import { Banners, Dialogs, Toasts } from './dialogs';
+import { InspectorPanel } from './InspectorPanel';
+import { LibraryPanel } from './LibraryPanel';
+import { CircuitPanel, LogPanel, NaturalnessPanel } from './lower_panels';
+import { ScenarioPanel } from './ScenarioPanel';
+import { TopBar } from './TopBar';
+import { ViewportPanel } from './ViewportPanel';
+
+const layout_key = 'ugoki.layout.1';
+
+const components: Record<string, FunctionComponent> = {
+  viewport: ViewportPanel,
+  library: LibraryPanel,
+  inspector: InspectorPanel,
+  scenario: ScenarioPanel,
+  naturalness: NaturalnessPanel,
+  log: LogPanel,
+  circuit: CircuitPanel,
+};
+
+function Tab({ api }: IDockviewPanelHeaderProps): ReactElement {
+  return <div className="tab">{api.title}</div>;
+}
+
+function default_layout(api: DockviewApi): void {
+  api.clear();
+  const unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 13;
+  const height = Math.round(Math.min(268 * unit, window.innerHeight * 0.34));
+  const viewport = api.addPanel({ id: 'viewport', component: 'viewport', title: 'Viewport', renderer: 'always' });
+  viewport.group.header.hidden = true;
+  viewport.group.locked = true;
+  const scenario = api.addPanel({ id: 'scenario', component: 'scenario', title: 'Scenario', renderer: 'always', initialHeight: height, position: { referencePanel: 'viewport', direction: 'below' } });
+  if (session.state.circuit) add_circuit(api);
+  api.addPanel({ id: 'naturalness', component: 'naturalness', title: 'Naturalness', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
+  api.addPanel({ id: 'log', component: 'log', title: 'Log', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
+  const narrow = window.innerWidth < 1400;
+  api.addPanel({ id: 'library', component: 'library', title: 'Library', initialWidth: Math.round((narrow ? 220 : 248) * unit), position: { referencePanel: 'viewport', direction: 'left' } });
+  api.addPanel({ id: 'inspector', component: 'inspector', title: 'Inspector', initialWidth: Math.round((narrow ? 256 : 284) * unit), position: { referencePanel: 'viewport', direction: 'right' } });
+  scenario.group.api.setSize({ height });
+  scenario.api.setActive();
+}
+
+function add_circuit(api: DockviewApi): void {
+  if (api.getPanel('circuit')) return;
+  api.addPanel({ id: 'circuit', component: 'circuit', title: 'Circuit', inactive: true, position: { referencePanel: 'scenario', direction: 'within', index: 1 } });
+}
+
+function restore_layout(api: DockviewApi): boolean {
+  try {
+    const text = localStorage.getItem(layout_key);
+    if (!text) return false;
+    api.fromJSON(JSON.parse(text));
+    return ['viewport', 'scenario', 'library', 'inspector'].every((id) => api.getPanel(id));
+  } catch {
+    return false; // of another version, or damaged
+  }
+}
+
+export function App(): ReactElement {
+  const theme = useStudio((s) => s.theme);
+  const title = useStudio((s) => (s.project ? `${s.project.unsaved ? '• ' : ''}${s.project.name} — Ugoki` : 'Ugoki'));
+  const circuit = useStudio((s) => s.circuit !== null);
+  const dock = useRef<DockviewApi | null>(null);
+
+  useEffect(() => {
+    document.documentElement.dataset.theme = theme;
+  }, [theme]);
+  useEffect(() => {
+    document.title = title;
+  }, [title]);
+  useEffect(() => {
+    if (circuit && dock.current) add_circuit(dock.current);
+  }, [circuit]);
+
+  useEffect(() => {
+    const down = (event: KeyboardEvent): void => {
+      if (event.defaultPrevented) return;
+      const key = key_of(event);
+      const { keymap, dialog } = session.state;
+      const typing = is_typing(event.target as HTMLElement);
+      if (typing && !/^(Ctrl\+[KPSZYI]|Ctrl\+Shift\+[SZ]|F1)$/.test(key)) return;
+      if (typing && /^Ctrl\+(Shift\+)?[ZY]$/.test(key)) return; // the field's own undo
+      const command = registry.by_key(key, keymap);
+      if (!command) return;
+      if (dialog !== 'none' && !command.id.startsWith('page.')) return;
+      // Space and arrows on a focused control are the control's, apart from the transport's Space
+      const target = event.target as HTMLElement;
+      if ((key === 'ArrowLeft' || key === 'ArrowRight') && (target.tagName === 'INPUT' || target.getAttribute('role') === 'radio')) return;
+      event.preventDefault();
+      if (command.enabled?.() === false) return;
+      if (event.repeat && !['play.back', 'play.on', 'edit.undo', 'edit.redo'].includes(command.id)) return;
+      command.run();
+    };
+    const before_unload = (event: BeforeUnloadEvent): void => {
+      if (session.state.project?.unsaved && session.state.connection === 'lost') event.preventDefault();
+    };
+    const stop_file_drop = (event: DragEvent): void => {
+      if (event.dataTransfer?.types.includes('Files')) event.preventDefault();
+    };
+    const file_drop = (event: DragEvent): void => {
+      if (!event.dataTransfer?.files.length || event.defaultPrevented) return;
+      event.preventDefault();
+      void session.import_files([...event.dataTransfer.files]);
+    };
+    window.addEventListener('keydown', down);
+    window.addEventListener('beforeunload', before_unload);
+    window.addEventListener('dragover', stop_file_drop);
+    window.addEventListener('drop', file_drop);
+    return () => {
+      window.removeEventListener('keydown', down);
+      window.removeEventListener('beforeunload', before_unload);
+      window.removeEventListener('dragover', stop_file_drop);
+      window.removeEventListener('drop', file_drop);
+    };
+  }, []);
+
+  const ready = ({ api }: DockviewReadyEvent): void => {
+    dock.current = api;
+    if (!restore_layout(api)) default_layout(api);
+    if (session.state.circuit) add_circuit(api);
+    parts.reset_layout = () => {
+      default_layout(api);
+      requestAnimationFrame(() => parts.fit_timeline());
+    };
+    parts.show_panel = (id) => api.getPanel(id)?.api.setActive();
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    api.onDidLayoutChange(() => {
+      clearTimeout(timer);
+      timer = setTimeout(() => {
+        try {
+          localStorage.setItem(layout_key, JSON.stringify(api.toJSON()));
+        } catch {
+          // without storage the layout lasts as long as the page
+        }
+      }, 400);
+    });
+  };
+
+  return (
+    <div className="page">
+      <TopBar />
+      <Banners />
+      <main className="dock">
+        <DockviewReact
+          components={components}
+          defaultTabComponent={Tab}
+          onReady={ready}
+          disableFloatingGroups
+          theme={{ name: 'ugoki', className: 'dockview-theme-ugoki' }}
+        />
+      </main>
+      <Toasts />
+      <Dialogs />
+    </div>
+  );
+}

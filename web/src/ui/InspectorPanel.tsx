@@ -1,0 +1,285 @@
+import { useEffect, useRef, type ReactElement } from 'react';
+import { apply_command, find_character, find_clip, find_event, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { link_position } from '../core/frames';
+import { describe_entry, tags_of } from '../core/library';
+import type { LibraryEntry, Vec3 } from '../core/protocol';
+import { shown_document } from '../core/state';
+import { add_character, append_motion, run } from './actions';
+import { session, useStudio } from './app';
+import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
+
+const send = (command: Command): void => void session.edit(command);
+
+/** Shows what `command` would do until it is sent or taken back. */
+const preview = (command: Command | null): void => {
+  const { document } = session.state;
+  if (document) session.show_preview(command ? apply_command(document, command) : null);
+};
+
+export function InspectorPanel(): ReactElement {
+  const selection = useStudio((s) => s.selection);
+  const doc = useStudio(shown_document);
+  const library = useStudio((s) => s.library);
+  if (!doc) return <div className="panel empty">Nothing is open yet.</div>;
+  let body: ReactElement | null = null;
+  if (selection.kind === 'clip') {
+    const clip = find_clip(doc, selection.character, selection.clip);
+    if (clip) body = <ClipFieldsView key={clip.id} character={selection.character} clip={clip} entry={library.find((e) => e.id === clip.motion)} />;
+  } else if (selection.kind === 'character') {
+    const character = find_character(doc, selection.character);
+    if (character) body = <CharacterFields key={character.id} character={character} link={selection.link} doc={doc} />;
+  } else if (selection.kind === 'event') {
+    const event = find_event(doc, selection.event);
+    if (event) body = <EventFields key={event.id} event={event} doc={doc} />;
+  } else if (selection.kind === 'entry') {
+    const entry = library.find((e) => e.id === selection.entry);
+    if (entry) body = <EntryFacts entry={entry} doc={doc} />;
+  }
+  return (
+    <div className="panel inspector" role="form" aria-label="Inspector">
+      {body ?? <ScenarioFields doc={doc} />}
+    </div>
+  );
+}
+
+function ClipFieldsView({ character, clip, entry }: { character: string; clip: Clip; entry: LibraryEntry | undefined }): ReactElement {
+  const set = (fields: Partial<Clip>): Command => ({ type: 'clip.set', character, id: clip.id, ...fields });
+  const number = (key: 'start' | 'length' | 'offset' | 'speed' | 'blend') => ({
+    on_preview: (value: number | null) => preview(value === null ? null : set({ [key]: value })),
+    on_commit: (value: number) => send(set({ [key]: value })),
+  });
+  const owner = useStudio((s) => s.document?.characters.find((c) => c.id === character)?.name ?? '');
+  return (
+    <>
+      <h3>
+        Clip <span className="of">{entry?.name ?? clip.motion}</span>
+      </h3>
+      <p className="facts">{[owner, entry ? describe_entry(entry) : ''].filter(Boolean).join(' · ')}</p>
+      <NumberField label="Start" unit="s" value={clip.start} step={0.01} min={0} {...number('start')} />
+      <NumberField label="Length" unit="s" value={clip.length} step={0.01} min={0.01} {...number('length')} />
+      <NumberField label="Offset" unit="s" value={clip.offset} step={0.01} min={0} title="Where in the motion the clip begins" {...number('offset')} />
+      <NumberField label="Speed" unit="×" value={clip.speed} step={0.01} min={0.1} max={2} slider {...number('speed')} />
+      <NumberField label="Blend in" unit="s" value={clip.blend} step={0.01} min={0} max={5} title="Cross-fade from the clip before" {...number('blend')} />
+      <SwitchField label="Loop" value={clip.loop} title="Repeat the motion, if it is cyclic" on_commit={(loop) => send(set({ loop }))} />
+      <div className="actions">
+        <button type="button" onClick={() => run('edit.split')}>Split</button>
+        <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
+        <button type="button" onClick={() => run('edit.remove')}>Delete</button>
+      </div>
+    </>
+  );
+}
+
+function CharacterFields({ character, link, doc }: { character: Character; link: number | undefined; doc: ScenarioDocument }): ReactElement {
+  const mechanism = useStudio((s) => s.mechanisms[character.mechanism]);
+  const { place, control } = character;
+  const set_place = (key: keyof typeof place) => {
+    const command = (value: number): Command => ({ type: 'character.set', id: character.id, place: { [key]: value } });
+    return { on_preview: (v: number | null) => preview(v === null ? null : command(v)), on_commit: (v: number) => send(command(v)) };
+  };
+  const set_control = (fields: Partial<typeof control>): void => send({ type: 'character.set', id: character.id, control: fields });
+  const active = control.mode === 'track';
+  return (
+    <>
+      <h3>
+        Character <span className="of">{character.name}</span>
+      </h3>
+      {mechanism && (
+        <p className="facts">
+          {mechanism.name} · {mechanism.freedoms} freedoms · {mechanism.mass.toFixed(1)} kg
+        </p>
+      )}
+      <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />
+      <div className="field">
+        <label htmlFor={`color-${character.id}`}>Colour</label>
+        <ColorInput id={`color-${character.id}`} value={character.color ?? '#e6e6ea'} on_commit={(color) => send({ type: 'character.set', id: character.id, color })} />
+      </div>
+      <h4>Place</h4>
+      <NumberField label="X" unit="m" value={place.x} step={0.01} {...set_place('x')} />
+      <NumberField label="Y" unit="m" value={place.y} step={0.01} {...set_place('y')} />
+      <NumberField label="Z" unit="m" value={place.z} step={0.01} {...set_place('z')} />
+      <NumberField label="Heading" unit="°" value={place.heading} step={1} digits={1} {...set_place('heading')} />
+      <h4>Motion control</h4>
+      <ChoiceField
+        label="Drive"
+        value={control.mode}
+        choices={[['track', 'follow the track'], ['passive', 'passive body']]}
+        on_commit={(mode) => set_control({ mode: mode as 'track' | 'passive' })}
+      />
+      {active && (
+        <>
+          <NumberField label="Tracking" unit="×" value={control.tracking} step={0.01} min={0} max={2} slider title="How firmly joints follow the motion" on_commit={(tracking) => set_control({ tracking })} />
+          <NumberField label="Balance" unit="×" value={control.balance} step={0.01} min={0} max={2} slider title="How firmly it keeps upright" on_commit={(balance) => set_control({ balance })} />
+          <NumberField label="Assist limit" unit="% of weight" value={control.assist_limit * 100} step={1} digits={0} min={0} max={500} title="Most invisible help on the root; beyond it the figure lets go" on_commit={(v) => set_control({ assist_limit: v / 100 })} />
+          <div className="field">
+            <span>Beyond it</span>
+            <output>let go</output>
+          </div>
+        </>
+      )}
+      {link !== undefined && mechanism?.links[link] && <LinkReadout character={character.id} link={link} label={mechanism.links[link].label || mechanism.links[link].name} joint={mechanism.links[link].joint} freedoms={mechanism.links[link].freedoms} />}
+      <div className="actions">
+        <button type="button" onClick={() => run('view.frame')}>Frame</button>
+        <button type="button" onClick={() => run('edit.push')} disabled={doc.characters.length === 0}>Add push</button>
+        <button type="button" onClick={() => run('edit.remove')}>Delete</button>
+      </div>
+    </>
+  );
+}
+
+/** Position of a link, written ten times a second without React. */
+function LinkReadout({ character, link, label, joint, freedoms }: { character: string; link: number; label: string; joint: string; freedoms: number }): ReactElement {
+  const position = useRef<HTMLOutputElement>(null);
+  useEffect(() => {
+    const timer = setInterval(() => {
+      const frame = session.frames.latest;
+      const figure = frame?.figures[session.state.characters.findIndex((c) => c.id === character)];
+      if (!frame || !figure || !position.current || link >= figure.links) return;
+      position.current.textContent = link_position(frame, figure, link).map((v) => v.toFixed(2)).join('  ');
+    }, 100);
+    return () => clearInterval(timer);
+  }, [character, link]);
+  return (
+    <>
+      <h4>
+        Link <span className="of">{label}</span>
+      </h4>
+      <div className="field">
+        <span>Joint</span>
+        <output>{freedoms > 0 ? `${joint}, ${freedoms} ${freedoms === 1 ? 'freedom' : 'freedoms'}` : joint}</output>
+      </div>
+      <div className="field">
+        <span>Position</span>
+        <output className="wide-number">
+          <output ref={position} />
+          <span className="unit">m</span>
+        </output>
+      </div>
+    </>
+  );
+}
+
+function VectorFields({ label, value, unit, step, on_commit }: { label: string; value: Vec3; unit: string; step: number; on_commit: (value: Vec3) => void }): ReactElement {
+  return (
+    <>
+      {(['X', 'Y', 'Z'] as const).map((axis, i) => (
+        <NumberField key={axis} label={`${label} ${axis}`} unit={unit} value={value[i]!} step={step} on_commit={(v) => on_commit(value.map((old, j) => (j === i ? v : old)) as Vec3)} />
+      ))}
+    </>
+  );
+}
+
+function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocument }): ReactElement {
+  const set = (fields: Partial<Omit<ScenarioEvent, 'id' | 'type'>>): Command => ({ type: 'event.set', id: event.id, event: fields });
+  const character = event.character ? find_character(doc, event.character) : undefined;
+  const mechanism = useStudio((s) => (character ? s.mechanisms[character.mechanism] : undefined));
+  return (
+    <>
+      <h3>
+        Event <span className="of">{event.type}</span>
+      </h3>
+      <NumberField label="Time" unit="s" value={event.time} step={0.01} min={0} on_preview={(v) => preview(v === null ? null : set({ time: v }))} on_commit={(time) => send(set({ time }))} />
+      <ChoiceField label="Character" value={event.character ?? ''} choices={doc.characters.map((c) => [c.id, c.name])} on_commit={(id) => send(set({ character: id }))} />
+      {event.type === 'push' && (
+        <>
+          <NumberField label="Duration" unit="s" value={event.duration ?? 0.2} step={0.01} min={0.001} on_commit={(duration) => send(set({ duration }))} />
+          {mechanism && <ChoiceField label="Link" value={event.link ?? ''} choices={mechanism.links.map((l) => [l.name, l.label || l.name])} on_commit={(link) => send(set({ link }))} />}
+          <VectorFields label="Force" unit="N" step={1} value={event.force ?? [0, 0, 0]} on_commit={(force) => send(set({ force }))} />
+        </>
+      )}
+      {event.type === 'throw' && (
+        <>
+          <VectorFields label="From" unit="m" step={0.01} value={event.from ?? [0, 0, 0]} on_commit={(from) => send(set({ from }))} />
+          <VectorFields label="Velocity" unit="m/s" step={0.05} value={event.velocity ?? [0, 0, 0]} on_commit={(velocity) => send(set({ velocity }))} />
+          <VectorFields label="Spin" unit="rad/s" step={0.05} value={event.spin ?? [0, 0, 0]} on_commit={(spin) => send(set({ spin }))} />
+        </>
+      )}
+      <div className="actions">
+        <button type="button" onClick={() => session.seek(Math.max(0, event.time - 0.2))}>Go there</button>
+        <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
+        <button type="button" onClick={() => run('edit.remove')}>Delete</button>
+      </div>
+    </>
+  );
+}
+
+function EntryFacts({ entry, doc }: { entry: LibraryEntry; doc: ScenarioDocument }): ReactElement {
+  const fits = entry.kind === 'motion' ? doc.characters.filter((c) => !entry.mechanism || c.mechanism === entry.mechanism) : [];
+  return (
+    <>
+      <h3>
+        {entry.kind === 'motion' ? 'Motion' : 'Mechanism'} <span className="of">{entry.name}</span>
+      </h3>
+      <p className="facts">{describe_entry(entry)}</p>
+      {entry.summary && <p className="note">{entry.summary}</p>}
+      {tags_of(entry).length > 0 && (
+        <div className="tags">
+          {tags_of(entry).map((tag) => (
+            <span key={tag} className="tag">{tag}</span>
+          ))}
+        </div>
+      )}
+      {entry.frames !== undefined && entry.kind === 'motion' && (
+        <div className="field">
+          <span>Frames</span>
+          <output>{entry.frames}</output>
+        </div>
+      )}
+      <div className="actions column">
+        {entry.kind === 'mechanism' && (
+          <button type="button" onClick={() => add_character(entry.id)}>Add to the scenario</button>
+        )}
+        {fits.map((c) => (
+          <button key={c.id} type="button" onClick={() => append_motion(c.id, entry.id)}>Put on {c.name}’s track</button>
+        ))}
+        {entry.kind === 'motion' && entry.mechanism && (
+          <button type="button" onClick={() => add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with it</button>
+        )}
+      </div>
+    </>
+  );
+}
+
+const rates = [24, 25, 30, 50, 60, 120];
+
+function ScenarioFields({ doc }: { doc: ScenarioDocument }): ReactElement {
+  const set = (fields: Partial<ScenarioDocument>): void => send({ type: 'scenario.set', ...fields } as Command);
+  return (
+    <>
+      <h3>
+        Scenario <span className="of">{doc.name}</span>
+      </h3>
+      <p className="facts">Select a figure, a clip or an event to edit it.</p>
+      <TextField label="Name" value={doc.name} on_commit={(name) => set({ name })} />
+      <NumberField label="Duration" unit="s" value={doc.duration} step={0.1} min={0.1} max={3600} on_preview={(v) => preview(v === null ? null : { type: 'scenario.set', duration: v })} on_commit={(duration) => set({ duration })} />
+      <ChoiceField label="Frame rate" value={String(doc.frame_rate)} choices={rates.map((r) => [String(r), `${r} / s`])} on_commit={(rate) => set({ frame_rate: Number(rate) })} />
+      <h4>Physics</h4>
+      <ChoiceField label="Step" value={String(doc.step)} choices={[...new Set([0.0005, 0.001, 0.002, 0.004, doc.step])].sort().map((s) => [String(s), `${s * 1000} ms · ${Math.round(1 / s)} Hz`])} on_commit={(step) => set({ step: Number(step) })} />
+      <NumberField label="Gravity" unit="m/s²" value={-doc.gravity[2]} step={0.01} on_commit={(g) => set({ gravity: [doc.gravity[0], doc.gravity[1], -g] })} />
+      <NumberField label="Friction" value={doc.ground.friction} step={0.01} min={0} max={2} slider on_commit={(friction) => set({ ground: { ...doc.ground, friction } })} />
+      <NumberField label="Bounce" value={doc.ground.restitution} step={0.01} min={0} max={1} slider title="Restitution of the ground" on_commit={(restitution) => set({ ground: { ...doc.ground, restitution } })} />
+      <h4>Look</h4>
+      <NumberField label="Light" value={doc.look?.light ?? 0.9} step={0.01} min={0} max={2} slider on_commit={(light) => set({ look: { ...doc.look, light } })} />
+      <div className="field">
+        <label htmlFor="floor-color">Floor</label>
+        <ColorInput id="floor-color" value={doc.look?.floor ?? '#2a2c31'} on_commit={(floor) => set({ look: { ...doc.look, floor } })} />
+      </div>
+    </>
+  );
+}
+
+/** A colour, committed once when its chooser closes. */
+function ColorInput({ id, value, on_commit }: { id: string; value: string; on_commit: (value: string) => void }): ReactElement {
+  const input = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    const element = input.current;
+    if (!element) return;
+    element.value = value;
+    const changed = (): void => {
+      if (element.value !== value) on_commit(element.value);
+    };
+    element.addEventListener('change', changed);
+    return () => element.removeEventListener('change', changed);
+  });
+  return <input ref={input} id={id} type="color" className="color" defaultValue={value} />;
+}

@@ -1,0 +1,200 @@
+import { useEffect, useId, useRef, useState, type KeyboardEvent, type PointerEvent, type ReactElement } from 'react';
+import { format_number, parse_number } from '../core/format';
+
+export interface NumberFieldProps {
+  label: string;
+  value: number;
+  unit?: string;
+  digits?: number;
+  /** Change for one pixel of scrubbing or one arrow key. */
+  step: number;
+  min?: number;
+  max?: number;
+  /** A slider beside the number, from `min` to `max`. */
+  slider?: boolean;
+  title?: string;
+  /** While scrubbing; null: back to the document. */
+  on_preview?: (value: number | null) => void;
+  /** One command. */
+  on_commit: (value: number) => void;
+}
+
+/** A number with its unit: type it (Enter takes it, Escape reverts), scrub it on its label, or move its slider. */
+export function NumberField(props: NumberFieldProps): ReactElement {
+  const { label, value, unit, digits = 2, step, min = -Infinity, max = Infinity, slider, title, on_preview, on_commit } = props;
+  const id = useId();
+  const [text, set_text] = useState<string | null>(null);
+  const [scrubbed, set_scrubbed] = useState<number | null>(null);
+  const scrub = useRef<{ x: number; value: number; now: number } | null>(null);
+  const slid = useRef<number | null>(null);
+  const input = useRef<HTMLInputElement>(null);
+  const clamp = (v: number): number => Math.min(max, Math.max(min, Math.round(v * 1e6) / 1e6));
+  const shown = scrubbed ?? value;
+
+  useEffect(() => set_scrubbed(null), [value]);
+
+  const commit = (v: number): void => {
+    const next = clamp(v);
+    set_text(null);
+    if (next !== value) {
+      set_scrubbed(next);
+      on_commit(next);
+    }
+  };
+  const take = (): void => {
+    if (text === null) return;
+    const parsed = parse_number(text);
+    if (parsed === null) set_text(null);
+    else commit(parsed);
+  };
+  const key = (event: KeyboardEvent): void => {
+    if (event.key === 'Enter') {
+      take();
+      input.current?.select();
+    } else if (event.key === 'Escape') {
+      set_text(null);
+      input.current?.blur();
+      event.stopPropagation();
+    } else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
+      const size = step * (event.shiftKey ? 0.1 : 1) * (event.key === 'ArrowUp' ? 1 : -1) * 5;
+      const base = (text !== null ? parse_number(text) : null) ?? shown;
+      set_text(format_number(clamp(base + size), digits + 1));
+      event.preventDefault();
+    }
+  };
+  const scrub_start = (event: PointerEvent<HTMLElement>): void => {
+    if (event.button !== 0) return;
+    event.preventDefault();
+    event.currentTarget.setPointerCapture(event.pointerId);
+    scrub.current = { x: event.clientX, value: shown, now: shown };
+  };
+  const scrub_move = (event: PointerEvent): void => {
+    const s = scrub.current;
+    if (!s) return;
+    const size = step * (event.shiftKey ? 0.1 : 1);
+    const next = clamp(Math.round((s.value + (event.clientX - s.x) * size) / size) * size);
+    if (next === s.now) return;
+    s.now = next;
+    set_scrubbed(next);
+    on_preview?.(next);
+  };
+  const scrub_end = (): void => {
+    const s = scrub.current;
+    scrub.current = null;
+    if (!s) return;
+    if (s.now !== s.value) on_commit(s.now);
+    else input.current?.focus();
+  };
+  const slider_end = (): void => {
+    if (slid.current !== null) on_commit(slid.current);
+    slid.current = null;
+  };
+  const scrub_cancel = (): void => {
+    scrub.current = null;
+    set_scrubbed(null);
+    on_preview?.(null);
+  };
+
+  return (
+    <div className="field" title={title}>
+      <label htmlFor={id} className="scrub" onPointerDown={scrub_start} onPointerMove={scrub_move} onPointerUp={scrub_end} onPointerCancel={scrub_cancel}>
+        {label}
+      </label>
+      <div className={slider ? 'field-value with-slider' : 'field-value'}>
+        {slider && (
+          <input
+            type="range"
+            aria-label={label}
+            min={min}
+            max={max}
+            step={step}
+            value={shown}
+            style={{ '--fill': `${(100 * (shown - min)) / (max - min)}%` } as React.CSSProperties}
+            onChange={(e) => {
+              slid.current = clamp(Number(e.target.value));
+              set_scrubbed(slid.current);
+              on_preview?.(slid.current);
+            }}
+            onPointerUp={slider_end}
+            onKeyUp={slider_end}
+            onBlur={slider_end}
+          />
+        )}
+        <span className="number">
+          <input
+            id={id}
+            ref={input}
+            type="text"
+            inputMode="decimal"
+            autoComplete="off"
+            spellCheck={false}
+            value={text ?? format_number(shown, digits)}
+            onChange={(e) => set_text(e.target.value)}
+            onFocus={(e) => e.target.select()}
+            onBlur={take}
+            onKeyDown={key}
+          />
+          {unit && <span className="unit">{unit}</span>}
+        </span>
+      </div>
+    </div>
+  );
+}
+
+export function TextField({ label, value, on_commit, disabled }: { label: string; value: string; on_commit: (value: string) => void; disabled?: boolean }): ReactElement {
+  const id = useId();
+  const [text, set_text] = useState<string | null>(null);
+  const take = (): void => {
+    if (text !== null && text.trim() && text !== value) on_commit(text.trim());
+    set_text(null);
+  };
+  return (
+    <div className="field">
+      <label htmlFor={id}>{label}</label>
+      <input
+        id={id}
+        className="text"
+        value={text ?? value}
+        disabled={disabled}
+        spellCheck={false}
+        onChange={(e) => set_text(e.target.value)}
+        onBlur={take}
+        onKeyDown={(e) => {
+          if (e.key === 'Enter') take();
+          if (e.key === 'Escape') {
+            set_text(null);
+            e.stopPropagation();
+          }
+        }}
+      />
+    </div>
+  );
+}
+
+export function ChoiceField({ label, value, choices, on_commit, title }: { label: string; value: string; choices: [string, string][]; on_commit: (value: string) => void; title?: string }): ReactElement {
+  const id = useId();
+  return (
+    <div className="field" title={title}>
+      <label htmlFor={id}>{label}</label>
+      <select id={id} value={value} onChange={(e) => on_commit(e.target.value)}>
+        {choices.map(([key, text]) => (
+          <option key={key} value={key}>
+            {text}
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+export function SwitchField({ label, value, on_commit, title, disabled }: { label: string; value: boolean; on_commit: (value: boolean) => void; title?: string; disabled?: boolean }): ReactElement {
+  const id = useId();
+  return (
+    <div className="field" title={title}>
+      <label htmlFor={id}>{label}</label>
+      <button id={id} type="button" role="switch" className="switch" aria-checked={value} disabled={disabled} onClick={() => on_commit(!value)}>
+        <span />
+      </button>
+    </div>
+  );
+}

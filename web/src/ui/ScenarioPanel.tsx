@@ -1,0 +1,285 @@
+import { useCallback, useEffect, useLayoutEffect, useRef, useState, type DragEvent, type KeyboardEvent, type ReactElement } from 'react';
+import { find_character } from '../core/document';
+import { format_ruler, format_time } from '../core/format';
+import { fit_view, pan_by, round_to_frame, ruler_steps, time_to_x, x_to_time, zoom_at, type TimeView } from '../core/timeline';
+import { shown_document } from '../core/state';
+import { add_character, add_motion, run } from './actions';
+import { page, parts, session, useStudio } from './app';
+import { drop_target, EventTrack, Track, type DropGhost } from './tracks';
+
+
+/** The scenario: ruler, tracks, events and contacts; drags of its clips are in tracks.tsx. */
+export function ScenarioPanel(): ReactElement {
+  const doc = useStudio(shown_document);
+  const rate = doc?.frame_rate ?? 60;
+  const [view, set_view] = useState<TimeView>({ origin: -0.1, scale: 60 });
+  const view_ref = useRef(view);
+  view_ref.current = view;
+  const lanes = useRef<HTMLDivElement>(null);
+  const root = useRef<HTMLDivElement>(null);
+  const [width, set_width] = useState(800);
+  const [ghost, set_ghost] = useState<DropGhost | null>(null);
+  const [guide, set_guide] = useState<number | null>(null);
+  const fitted = useRef(false);
+  const duration = doc?.duration ?? 10;
+
+  useLayoutEffect(() => {
+    const element = lanes.current;
+    if (!element) return;
+    const observer = new ResizeObserver(() => set_width(element.clientWidth));
+    observer.observe(element);
+    set_width(element.clientWidth);
+    return () => observer.disconnect();
+  }, [doc !== null]);
+
+  const fit = useCallback(() => {
+    const element = lanes.current;
+    const now = shown_document(session.state);
+    if (element && now) set_view(fit_view(now.duration, element.clientWidth));
+  }, []);
+  useEffect(() => {
+    parts.fit_timeline = fit;
+  }, [fit]);
+  useEffect(() => {
+    if (doc && !fitted.current && width > 120) {
+      fitted.current = true;
+      fit();
+    }
+  }, [doc, width, fit]);
+
+  // the browser's own wheel must not scroll the page, so the listener cannot be passive
+  useEffect(() => {
+    const element = root.current;
+    if (!element) return;
+    const wheel = (event: WheelEvent): void => {
+      const box = lanes.current?.getBoundingClientRect();
+      if (!box || event.clientX < box.left) return;
+      event.preventDefault();
+      const amount = event.deltaY || event.deltaX;
+      if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) set_view((v) => pan_by(v, event.deltaX || amount));
+      else set_view((v) => zoom_at(v, event.clientX - box.left, Math.exp(-Math.max(-150, Math.min(150, amount)) * 0.0022)));
+    };
+    element.addEventListener('wheel', wheel, { passive: false });
+    return () => element.removeEventListener('wheel', wheel);
+  }, [doc !== null]);
+
+  const time_at = (client_x: number): number => {
+    const box = lanes.current?.getBoundingClientRect();
+    return box ? x_to_time(view_ref.current, client_x - box.left) : 0;
+  };
+
+  const pan_with_middle = (event: React.PointerEvent<HTMLDivElement>): void => {
+    if (event.button !== 1) return;
+    event.preventDefault();
+    const target = event.currentTarget;
+    let last = event.clientX;
+    const move = (e: PointerEvent): void => {
+      set_view((v) => pan_by(v, last - e.clientX));
+      last = e.clientX;
+    };
+    const up = (): void => {
+      target.removeEventListener('pointermove', move);
+      target.removeEventListener('pointerup', up);
+    };
+    target.setPointerCapture(event.pointerId);
+    target.addEventListener('pointermove', move);
+    target.addEventListener('pointerup', up);
+  };
+
+  const nudge = (event: KeyboardEvent): void => {
+    if (event.key !== 'ArrowLeft' && event.key !== 'ArrowRight') return;
+    const { selection, document } = session.state;
+    if (!document || event.ctrlKey || event.metaKey) return;
+    const by = ((event.key === 'ArrowRight' ? 1 : -1) * (event.shiftKey ? 10 : 1)) / document.frame_rate;
+    if (selection.kind === 'clip') {
+      const clip = find_character(document, selection.character)?.track.find((k) => k.id === selection.clip);
+      if (clip) void session.edit({ type: 'clip.set', character: selection.character, id: clip.id, start: Math.max(0, round_to_frame(clip.start + by, document.frame_rate)) });
+    } else if (selection.kind === 'event') {
+      const found = document.events.find((e) => e.id === selection.event);
+      if (found) void session.edit({ type: 'event.set', id: found.id, event: { time: Math.max(0, round_to_frame(found.time + by, document.frame_rate)) } });
+    } else return;
+    event.preventDefault();
+    event.stopPropagation();
+  };
+
+  // ---- dropping from the library ----
+
+  const drag_over = (event: DragEvent, character: string | null): void => {
+    const id = page.getState().dragged_entry;
+    if (!id || !doc) return;
+    const target = drop_target(id, character, time_at(event.clientX), doc);
+    set_ghost(target);
+    if (target && !target.refused) {
+      event.preventDefault();
+      event.dataTransfer.dropEffect = 'copy';
+    }
+    event.stopPropagation();
+  };
+  const drop = (event: DragEvent): void => {
+    event.preventDefault();
+    event.stopPropagation();
+    const target = ghost;
+    set_ghost(null);
+    page.setState({ dragged_entry: null });
+    if (!target || target.refused) return;
+    const entry = session.entry(target.entry);
+    if (!entry) return;
+    if (target.character) add_motion(target.character, entry.id, target.start);
+    else if (entry.kind === 'mechanism') add_character(entry.id);
+    else if (entry.mechanism) add_character(entry.mechanism, undefined, entry.id);
+  };
+
+  if (!doc) return <div className="panel empty">Waiting for the studio…</div>;
+  return (
+    <div
+      ref={root}
+      className="scenario"
+      role="region"
+      aria-label="Scenario"
+      onKeyDown={nudge}
+      onPointerDown={pan_with_middle}
+      onDragOver={(e) => drag_over(e, null)}
+      onDragLeave={(e) => {
+        if (!e.currentTarget.contains(e.relatedTarget as Node | null)) set_ghost(null);
+      }}
+      onDrop={drop}
+    >
+      <div className="scenario-head">
+        <div className="corner">
+          <button type="button" className="quiet" title="Fit the timeline  (Home)" onClick={fit}>
+            Fit
+          </button>
+          <button type="button" className="quiet" title="Add a push at the playhead  (Shift P)" disabled={doc.characters.length === 0} onClick={() => run('edit.push')}>
+            + Push
+          </button>
+        </div>
+        <Ruler view={view} width={width} rate={rate} duration={duration} time_at={time_at} />
+      </div>
+      <div className="tracks">
+        <div className="lane-size" ref={lanes} />
+        {doc.characters.map((character) => (
+          <div key={character.id} onDragOver={(e) => drag_over(e, character.id)}>
+            <Track character={character} view={view} on_guide={set_guide} ghost={ghost?.character === character.id ? ghost : null} />
+          </div>
+        ))}
+        <EventTrack doc={doc} view={view} on_guide={set_guide} />
+        {doc.characters.length === 0 && <p className="hint lane-hint">Drag a mechanism from the library here, or onto the floor, to begin.</p>}
+        {doc.characters.length > 0 && doc.characters.every((c) => c.track.length === 0) && <p className="hint lane-hint">Drag a motion from the library onto a track.</p>}
+        {ghost && !ghost.character && !ghost.refused && <p className="hint lane-hint drop-hint">Drop: a new character{session.entry(ghost.entry)?.kind === 'motion' ? ' with this motion' : ''}</p>}
+      </div>
+      <div className="overlay" aria-hidden="true">
+        <div className="beyond" style={{ left: Math.max(0, time_to_x(view, duration)) }} />
+        {guide !== null && <div className="guide" style={{ left: time_to_x(view, guide) }} />}
+        <Playhead view={view_ref} set_view={set_view} width={width} />
+      </div>
+    </div>
+  );
+}
+
+function Ruler({ view, width, rate, duration, time_at }: { view: TimeView; width: number; rate: number; duration: number; time_at: (x: number) => number }): ReactElement {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const theme = useStudio((s) => s.theme);
+  useLayoutEffect(() => {
+    const element = canvas.current;
+    const context = element?.getContext('2d');
+    if (!element || !context) return;
+    const ratio = window.devicePixelRatio || 1;
+    const height = element.clientHeight;
+    element.width = Math.round(width * ratio);
+    element.height = Math.round(height * ratio);
+    const style = getComputedStyle(element);
+    context.scale(ratio, ratio);
+    context.clearRect(0, 0, width, height);
+    context.font = `${parseFloat(style.fontSize)}px ${style.fontFamily}`;
+    context.textBaseline = 'middle';
+    const { label, tick } = ruler_steps(view.scale, rate);
+    const first = Math.max(0, Math.floor(view.origin / tick));
+    const last = Math.ceil(x_to_time(view, width) / tick);
+    const every = Math.round(label / tick);
+    for (let i = first; i <= last; i++) {
+      const time = i * tick;
+      const x = Math.round(time_to_x(view, time)) + 0.5;
+      const major = i % every === 0;
+      context.fillStyle = style.getPropertyValue(major ? '--line-strong' : '--line');
+      context.fillRect(x - 0.5, height - (major ? 8 : 4), 1, major ? 8 : 4);
+      if (major) {
+        context.fillStyle = time > duration + 1e-6 ? style.getPropertyValue('--text-faint') : style.color;
+        context.fillText(format_ruler(time, label), x + 4, height / 2 - 2);
+      }
+    }
+  }, [view, width, rate, duration, theme]);
+
+  const scrub = (event: React.PointerEvent<HTMLCanvasElement>): void => {
+    if (event.button !== 0) return;
+    event.currentTarget.setPointerCapture(event.pointerId);
+    const seek = (x: number, fine: boolean): void => session.seek(fine ? time_at(x) : round_to_frame(time_at(x), rate));
+    if (session.state.transport.playing) session.pause();
+    seek(event.clientX, event.ctrlKey);
+    const target = event.currentTarget;
+    const move = (e: PointerEvent): void => seek(e.clientX, e.ctrlKey);
+    const up = (): void => {
+      target.removeEventListener('pointermove', move);
+      target.removeEventListener('pointerup', up);
+      target.removeEventListener('pointercancel', up);
+    };
+    target.addEventListener('pointermove', move);
+    target.addEventListener('pointerup', up);
+    target.addEventListener('pointercancel', up);
+  };
+  const time = useStudio((s) => s.transport.time);
+  return (
+    <canvas
+      ref={canvas}
+      className="ruler"
+      role="slider"
+      tabIndex={0}
+      aria-label="Playhead"
+      aria-valuemin={0}
+      aria-valuemax={duration}
+      aria-valuenow={Math.round(time * 100) / 100}
+      aria-valuetext={format_time(time)}
+      onPointerDown={scrub}
+    />
+  );
+}
+
+/** The playhead follows the frames by itself; React draws it once. */
+function Playhead({ view, set_view, width }: { view: { current: TimeView }; set_view: (change: (v: TimeView) => TimeView) => void; width: number }): ReactElement {
+  const line = useRef<HTMLDivElement>(null);
+  const played = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    let handle = 0;
+    let before = '';
+    const tick = (): void => {
+      handle = requestAnimationFrame(tick);
+      const { transport } = session.state;
+      const x = time_to_x(view.current, session.now);
+      const text = `${x.toFixed(2)} ${view.current.origin} ${view.current.scale} ${transport.simulated} ${transport.mode}`;
+      if (text === before) return;
+      before = text;
+      if (line.current) {
+        line.current.style.transform = `translateX(${x.toFixed(2)}px)`;
+        line.current.style.visibility = x < -1 || x > width + 1 ? 'hidden' : 'visible';
+      }
+      if (played.current) {
+        const from = Math.max(0, time_to_x(view.current, 0));
+        const to = Math.max(from, time_to_x(view.current, transport.mode === 'simulate' ? transport.simulated : 0));
+        played.current.style.transform = `translateX(${from}px) scaleX(${Math.max(0, to - from)})`;
+      }
+      // while it plays out of sight, turn the page
+      if (transport.playing && x > width && x < width * 3) set_view((v) => pan_by(v, width * 0.9));
+      else if (transport.playing && x < 0 && x > -width * 3) set_view((v) => pan_by(v, x - 24));
+    };
+    tick();
+    return () => cancelAnimationFrame(handle);
+  }, [view, set_view, width]);
+  return (
+    <>
+      <div ref={played} className="simulated" />
+      <div ref={line} className="playhead">
+        <div className="playhead-cap" />
+      </div>
+    </>
+  );
+}
+

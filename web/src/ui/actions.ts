@@ -1,0 +1,218 @@
+/** Every command of the page, by name and key. */
+import { content_end, find_character, find_clip, find_event, track_end, type Clip, type Command } from '../core/document';
+import type { AppCommand } from '../core/commands';
+import type { StudioState, ViewOptions } from '../core/state';
+import { parts, registry, session } from './app';
+
+const state = (): StudioState => session.state;
+const has_document = (): boolean => state().document !== null;
+let copied: { character: string; clip: Clip } | null = null;
+
+export function selected_clip(): { character: string; clip: Clip } | null {
+  const { selection, document } = state();
+  if (selection.kind !== 'clip' || !document) return null;
+  const clip = find_clip(document, selection.character, selection.clip);
+  return clip ? { character: selection.character, clip } : null;
+}
+
+export function set_view(part: Partial<ViewOptions>): void {
+  session.set({ view: { ...state().view, ...part } });
+  session.remember();
+}
+
+const toggle = (option: keyof ViewOptions) => (): void => set_view({ [option]: !state().view[option] });
+
+function remove_selection(): void {
+  const { selection } = state();
+  if (selection.kind === 'clip') void session.edit({ type: 'clip.remove', character: selection.character, id: selection.clip });
+  else if (selection.kind === 'event') void session.edit({ type: 'event.remove', id: selection.event });
+  else if (selection.kind === 'character') void session.edit({ type: 'character.remove', id: selection.character });
+}
+
+function add_copy(character: string, clip: Clip, start: number): void {
+  const { id: _id, ...fields } = clip;
+  const id = session.fresh_id('k');
+  void session.edit({ type: 'clip.add', character, ...fields, start, id }).then((ok) => {
+    if (ok) session.select({ kind: 'clip', character, clip: id });
+  });
+}
+
+function duplicate(): void {
+  const { selection, document } = state();
+  const chosen = selected_clip();
+  if (chosen) return add_copy(chosen.character, chosen.clip, Math.round((chosen.clip.start + chosen.clip.length) * 1e6) / 1e6);
+  if (!document) return;
+  if (selection.kind === 'event') {
+    const event = find_event(document, selection.event);
+    if (!event) return;
+    const id = session.fresh_id('e');
+    void session.edit({ type: 'event.add', event: { ...event, id, time: event.time + 0.5 } }).then((ok) => {
+      if (ok) session.select({ kind: 'event', event: id });
+    });
+  } else if (selection.kind === 'character') {
+    const character = find_character(document, selection.character);
+    if (!character) return;
+    const id = session.fresh_id('c');
+    const { track, ...fields } = character;
+    const place = { ...character.place, y: character.place.y + 1 };
+    const clips = track.map((clip): Command => ({ ...clip, type: 'clip.add', character: id, id: session.fresh_id('k') }));
+    const name = `${character.name} 2`;
+    void session.edit({ type: 'group', label: `Duplicate ${character.name}`, commands: [{ ...fields, type: 'character.add', id, name, place }, ...clips] });
+  }
+}
+
+/** Puts a motion at the end of a character's track. */
+export function append_motion(character: string, motion: string): void {
+  const { document } = state();
+  const target = document && find_character(document, character);
+  if (!target) return;
+  add_motion(character, motion, track_end(target));
+}
+
+export function add_motion(character: string, motion: string, start: number): void {
+  const entry = session.entry(motion);
+  const target = state().document && find_character(state().document!, character);
+  if (entry?.mechanism && target && entry.mechanism !== target.mechanism) {
+    session.fail(new Error(`“${entry.name}” is a motion of another mechanism than ${target.name} has.`));
+    return;
+  }
+  const id = session.fresh_id('k');
+  void session.edit({ type: 'clip.add', character, motion, start, id, ...(entry?.duration ? { length: entry.duration } : {}) }).then((ok) => {
+    if (ok) session.select({ kind: 'clip', character, clip: id });
+  });
+}
+
+export function add_character(mechanism: string, place?: { x: number; y: number }, motion?: string): void {
+  const entry = session.entry(mechanism);
+  const id = session.fresh_id('c');
+  const { document } = state();
+  const taken = new Set(document?.characters.map((c) => c.name));
+  let name = entry?.name ?? 'Character';
+  for (let n = 2; taken.has(name); n++) name = `${entry?.name ?? 'Character'} ${n}`;
+  const spot = place ?? { x: 0, y: -1.2 * (document?.characters.length ?? 0) };
+  const round = (v: number): number => Math.round(v * 100) / 100;
+  const add: Command = { type: 'character.add', mechanism, id, name, place: { x: round(spot.x), y: round(spot.y) } };
+  const length = motion ? session.entry(motion)?.duration : undefined;
+  const command: Command = motion
+    ? { type: 'group', label: `Add ${name}`, commands: [add, { type: 'clip.add', character: id, motion, start: 0, ...(length ? { length } : {}) }] }
+    : add;
+  void session.edit(command).then((ok) => {
+    if (ok) session.select({ kind: 'character', character: id });
+  });
+}
+
+function add_push(): void {
+  const { document, selection } = state();
+  const id = selection.kind === 'character' || selection.kind === 'clip' ? selection.character : document?.characters[0]?.id;
+  const character = document && id ? find_character(document, id) : undefined;
+  if (!character) return;
+  const mechanism = state().mechanisms[character.mechanism];
+  const chosen = selection.kind === 'character' && selection.link !== undefined ? mechanism?.links[selection.link] : undefined;
+  const chest = mechanism?.links.find((l) => /chest|spine1|thorax|upper ?trunk/i.test(`${l.name} ${l.label ?? ''}`));
+  const link = (chosen ?? chest ?? mechanism?.links[0])?.name;
+  const event = session.fresh_id('e');
+  const time = Math.round(session.now * 1000) / 1000;
+  void session.edit({ type: 'event.add', event: { id: event, type: 'push', time, duration: 0.2, character: character.id, link, force: [150, 0, 0] } }).then((ok) => {
+    if (ok) session.select({ kind: 'event', event });
+  });
+}
+
+function keep_camera(): void {
+  const eye = parts.viewport?.rig.current;
+  if (!eye) return;
+  const round = (value: number): number => Math.round(value * 1000) / 1000;
+  const follow = state().view.follow ? (state().document?.camera?.follow ?? state().characters[0]?.id) : undefined;
+  void session.edit({
+    type: 'scenario.set',
+    camera: { ...(follow ? { follow } : {}), distance: round(eye.distance), azimuth: round(eye.azimuth), elevation: round(eye.elevation) },
+  });
+}
+
+const look = (azimuth: number, elevation: number) => (): void => {
+  parts.viewport?.rig.look_from(azimuth, elevation);
+  parts.viewport?.invalidate();
+};
+
+const commands: AppCommand[] = [
+  { id: 'file.save', label: 'Save', group: 'Project', keys: ['Ctrl+S'], enabled: has_document, run: () => session.save() },
+  { id: 'file.save_as', label: 'Save as…', group: 'Project', keys: ['Ctrl+Shift+S'], enabled: has_document, run: () => session.set({ dialog: 'save_as' }) },
+  { id: 'file.import', label: 'Import motion or mechanism…', group: 'Project', keys: ['Ctrl+I'], run: () => parts.choose_files() },
+
+  { id: 'edit.undo', label: 'Undo', group: 'Edit', keys: ['Ctrl+Z'], enabled: () => state().can_undo, run: () => session.undo() },
+  { id: 'edit.redo', label: 'Redo', group: 'Edit', keys: ['Ctrl+Shift+Z', 'Ctrl+Y'], enabled: () => state().can_redo, run: () => session.redo() },
+  { id: 'edit.remove', label: 'Delete selection', group: 'Edit', keys: ['Delete', 'Backspace'], blender: ['X'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: remove_selection },
+  { id: 'edit.duplicate', label: 'Duplicate', group: 'Edit', keys: ['Ctrl+D'], blender: ['Shift+D'], enabled: () => !['none', 'entry'].includes(state().selection.kind), run: duplicate },
+  { id: 'edit.copy', label: 'Copy clip', group: 'Edit', keys: ['Ctrl+C'], enabled: () => selected_clip() !== null, run: () => { copied = selected_clip(); } },
+  {
+    id: 'edit.paste', label: 'Paste clip at playhead', group: 'Edit', keys: ['Ctrl+V'], enabled: () => copied !== null && has_document(),
+    run: () => {
+      if (!copied) return;
+      const { selection } = state();
+      const character = selection.kind === 'character' || selection.kind === 'clip' ? selection.character : copied.character;
+      add_copy(character, copied.clip, Math.round(session.now * 1e6) / 1e6);
+    },
+  },
+  {
+    id: 'edit.split', label: 'Split clip at playhead', group: 'Edit', industry: ['S'], blender: ['K'],
+    enabled: () => {
+      const chosen = selected_clip();
+      return chosen !== null && session.now > chosen.clip.start && session.now < chosen.clip.start + chosen.clip.length;
+    },
+    run: () => {
+      const chosen = selected_clip();
+      if (chosen) void session.edit({ type: 'clip.split', character: chosen.character, id: chosen.clip.id, time: Math.round(session.now * 1e6) / 1e6 });
+    },
+  },
+  { id: 'edit.push', label: 'Add push at playhead', group: 'Edit', keys: ['Shift+P'], enabled: () => (state().document?.characters.length ?? 0) > 0, run: add_push },
+  { id: 'edit.camera', label: 'Keep this view as the opening view', group: 'Edit', enabled: has_document, run: keep_camera },
+
+  { id: 'play.toggle', label: 'Play or pause', group: 'Transport', keys: ['Space'], enabled: has_document, run: () => session.toggle_play() },
+  { id: 'play.start', label: 'To start', group: 'Transport', keys: ['Shift+ArrowLeft', 'Ctrl+Home'], enabled: has_document, run: () => session.seek(0) },
+  { id: 'play.end', label: 'To end', group: 'Transport', keys: ['Shift+ArrowRight', 'Ctrl+End'], enabled: has_document, run: () => session.seek(state().transport.mode === 'simulate' && state().transport.simulated > 0 ? state().transport.simulated : content_end(state().document!) || state().document!.duration) },
+  { id: 'play.back', label: 'One frame back', group: 'Transport', keys: ['ArrowLeft', ','], enabled: has_document, run: () => session.step(-1) },
+  { id: 'play.on', label: 'One frame on', group: 'Transport', keys: ['ArrowRight', '.'], enabled: has_document, run: () => session.step(1) },
+  { id: 'play.restart', label: 'Simulate again from the start', group: 'Transport', keys: ['Shift+R'], enabled: () => state().transport.mode === 'simulate', run: () => session.restart() },
+  { id: 'mode.toggle', label: 'Switch between Edit and Simulate', group: 'Transport', keys: ['`'], industry: ['Q'], enabled: has_document, run: () => session.set_mode(state().transport.mode === 'edit' ? 'simulate' : 'edit') },
+  ...[0.25, 0.5, 1, 2].map((speed): AppCommand => ({ id: `play.speed_${speed}`, label: `Speed ${speed}×`, group: 'Transport', run: () => session.set_speed(speed) })),
+
+  { id: 'view.frame', label: 'Frame selection', group: 'View', keys: ['F'], blender: ['NumpadDecimal'], run: () => parts.viewport?.frame_selection() },
+  { id: 'view.all', label: 'Frame all', group: 'View', keys: ['A'], run: () => parts.viewport?.frame_all() },
+  { id: 'view.follow', label: 'Follow character', group: 'View', keys: ['L'], run: toggle('follow') },
+  { id: 'view.perspective', label: 'Perspective or orthographic', group: 'View', keys: ['5', 'P'], run: toggle('perspective') },
+  { id: 'view.ghosts', label: 'Ghosts', group: 'View', keys: ['O'], run: toggle('ghosts') },
+  { id: 'view.trail', label: 'Centre-of-mass trail', group: 'View', keys: ['T'], run: toggle('trail') },
+  { id: 'view.contacts', label: 'Contact forces', group: 'View', keys: ['C'], run: toggle('contacts') },
+  { id: 'view.assist', label: 'Root-assist arrow', group: 'View', run: toggle('assist') },
+  { id: 'view.front', label: 'View from the front', group: 'View', keys: ['1'], run: look(0, 0.02) },
+  { id: 'view.left', label: 'View from the left', group: 'View', keys: ['3'], run: look(Math.PI / 2, 0.02) },
+  { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look(-Math.PI / 2, 1.55) },
+
+  { id: 'page.fit', label: 'Fit the timeline', group: 'Page', keys: ['Home'], run: () => parts.fit_timeline() },
+  { id: 'page.palette', label: 'All commands…', group: 'Page', keys: ['Ctrl+K', 'Ctrl+P'], run: () => session.set({ dialog: state().dialog === 'palette' ? 'none' : 'palette' }) },
+  { id: 'page.keys', label: 'Show keys', group: 'Page', keys: ['?', 'F1'], run: () => session.set({ dialog: state().dialog === 'keys' ? 'none' : 'keys' }) },
+  { id: 'page.theme', label: 'Dark or light theme', group: 'Page', run: () => { session.set({ theme: state().theme === 'dark' ? 'light' : 'dark' }); session.remember(); } },
+  { id: 'page.keymap', label: 'Switch keymap: industry or Blender-like', group: 'Page', run: () => {
+    session.set({ keymap: state().keymap === 'industry' ? 'blender' : 'industry' });
+    session.remember();
+    session.notify(state().keymap === 'industry' ? 'Keymap: industry' : 'Keymap: Blender-like');
+  } },
+  { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
+  ...(['library', 'inspector', 'scenario', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  {
+    id: 'page.escape', label: 'Let go, close or deselect', group: 'Page', keys: ['Escape'],
+    run: () => {
+      if (state().dialog !== 'none') return session.set({ dialog: 'none' });
+      if (parts.pointer?.abandon()) return;
+      if (state().import_report) return session.set({ import_report: null });
+      session.select({ kind: 'none' });
+    },
+  },
+];
+
+export function register_commands(): void {
+  registry.add(...commands);
+}
+
+export function run(id: string): void {
+  registry.run(id);
+}

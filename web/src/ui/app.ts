@@ -1,0 +1,62 @@
+/** The one session and command list of this page, and React's way to them. */
+import { useStore } from 'zustand';
+import { createStore } from 'zustand/vanilla';
+import { CommandRegistry } from '../core/commands';
+import type { FigureState } from '../core/frames';
+import { Session } from '../core/session';
+import type { StudioState } from '../core/state';
+import type { SocketLike } from '../core/client';
+import type { Viewport } from '../view/viewport';
+import type { PointerControl } from '../view/pointer';
+
+/** Where the service is: the page's own address, and the token if the address has one. */
+const token = new URLSearchParams(location.search).get('token');
+const with_token = (path: string): string => (token ? `${path}${path.includes('?') ? '&' : '?'}token=${encodeURIComponent(token)}` : path);
+
+function socket_address(): string {
+  const address = new URL(with_token('ws'), location.href);
+  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  return address.href;
+}
+
+function storage(): Storage | undefined {
+  try {
+    return window.localStorage;
+  } catch {
+    return undefined; // switched off in this browser
+  }
+}
+
+export const session = new Session({
+  make_socket: () => new WebSocket(socket_address()) as unknown as SocketLike,
+  fetch: (path, init) => fetch(with_token(path), init),
+  storage: storage(),
+});
+
+export const registry = new CommandRegistry();
+
+/** Small facts of the page that are not the session's. */
+export interface PageState {
+  figure_states: Record<string, FigureState>;
+  /** The library entry that is dragged: a browser hides it from those it hovers over. */
+  dragged_entry: string | null;
+}
+export const page = createStore<PageState>(() => ({ figure_states: {}, dragged_entry: null }));
+
+/** What is mounted now; null while it is not. */
+export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; show_panel: (id: string) => void; choose_files: () => void } = {
+  viewport: null,
+  pointer: null,
+  fit_timeline: () => undefined,
+  reset_layout: () => undefined,
+  show_panel: () => undefined,
+  choose_files: () => undefined,
+};
+
+export function useStudio<T>(pick: (state: StudioState) => T): T {
+  return useStore(session.store, pick);
+}
+
+export function usePage<T>(pick: (state: PageState) => T): T {
+  return useStore(page, pick);
+}

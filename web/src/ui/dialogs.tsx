@@ -1,0 +1,269 @@
+/** Palette, keys, save-as, toasts and banners: what lies over the page. */
+import { useEffect, useRef, useState, type ReactElement } from 'react';
+import { show_key } from '../core/keymap';
+import { registry, session, useStudio } from './app';
+import { Icon } from './icons';
+
+const close = (): void => session.set({ dialog: 'none' });
+
+export function Dialogs(): ReactElement | null {
+  const dialog = useStudio((s) => s.dialog);
+  if (dialog === 'palette') return <Palette />;
+  if (dialog === 'keys') return <Keys />;
+  if (dialog === 'save_as') return <SaveAs />;
+  return null;
+}
+
+function Backdrop({ children, label, top }: { children: ReactElement; label: string; top?: boolean }): ReactElement {
+  const before = useRef<Element | null>(null);
+  useEffect(() => {
+    before.current = document.activeElement;
+    return () => (before.current as HTMLElement | null)?.focus?.();
+  }, []);
+  return (
+    <div className={top ? 'backdrop top' : 'backdrop'} onPointerDown={(e) => e.target === e.currentTarget && close()}>
+      <div className="dialog" role="dialog" aria-modal="true" aria-label={label}>
+        {children}
+      </div>
+    </div>
+  );
+}
+
+function Palette(): ReactElement {
+  const [query, set_query] = useState('');
+  const [chosen, set_chosen] = useState(0);
+  const keymap = useStudio((s) => s.keymap);
+  const list = useRef<HTMLUListElement>(null);
+  const found = registry.search(query).filter((c) => c.id !== 'page.palette' && c.id !== 'page.escape');
+  const at = Math.min(chosen, Math.max(0, found.length - 1));
+  useEffect(() => {
+    list.current?.children[at]?.scrollIntoView({ block: 'nearest' });
+  }, [at, query]);
+  const start = (index: number): void => {
+    const command = found[index];
+    if (!command || command.enabled?.() === false) return;
+    close();
+    command.run();
+  };
+  return (
+    <Backdrop label="All commands" top>
+      <div className="palette">
+        <input
+          autoFocus
+          type="text"
+          role="combobox"
+          aria-expanded="true"
+          aria-controls="palette-list"
+          aria-activedescendant={found[at] ? `command-${found[at].id}` : undefined}
+          aria-label="Search commands"
+          placeholder="What do you want to do?"
+          value={query}
+          onChange={(e) => {
+            set_query(e.target.value);
+            set_chosen(0);
+          }}
+          onKeyDown={(e) => {
+            if (e.key === 'ArrowDown') set_chosen(Math.min(at + 1, found.length - 1));
+            else if (e.key === 'ArrowUp') set_chosen(Math.max(at - 1, 0));
+            else if (e.key === 'Enter') start(at);
+            else if (e.key === 'Escape') close();
+            else return;
+            e.preventDefault();
+            e.stopPropagation();
+          }}
+        />
+        <ul ref={list} id="palette-list" role="listbox" aria-label="Commands">
+          {found.map((command, i) => (
+            <li
+              key={command.id}
+              id={`command-${command.id}`}
+              role="option"
+              aria-selected={i === at}
+              aria-disabled={command.enabled?.() === false}
+              onPointerMove={() => set_chosen(i)}
+              onClick={() => start(i)}
+            >
+              <span className="command-group">{command.group}</span>
+              <span className="command-label">{command.label}</span>
+              {registry.keys_of(command, keymap).slice(0, 2).map((key) => (
+                <kbd key={key}>{show_key(key)}</kbd>
+              ))}
+            </li>
+          ))}
+          {found.length === 0 && <li className="none">No command matches “{query}”.</li>}
+        </ul>
+      </div>
+    </Backdrop>
+  );
+}
+
+const mouse: Record<'industry' | 'blender', [string, string][]> = {
+  industry: [
+    ['Orbit', 'drag on empty ground, or Alt + left'],
+    ['Pan', 'middle or right, or Shift + left'],
+    ['Zoom', 'wheel, or Alt + right'],
+  ],
+  blender: [
+    ['Orbit', 'middle'],
+    ['Pan', 'Shift + middle'],
+    ['Zoom', 'wheel, or Ctrl + middle'],
+  ],
+};
+const mouse_both: [string, string][] = [
+  ['Pull a figure', 'press on it while it simulates'],
+  ['Place a figure', 'drag it while it is selected, in Edit'],
+  ['Trim a clip', 'drag its edge; Alt stretches it'],
+  ['Slip the motion', 'Alt + drag the clip'],
+  ['Finer · snap off', 'Shift · Ctrl while dragging'],
+  ['Timeline', 'wheel zooms, Shift + wheel pans'],
+];
+
+function Keys(): ReactElement {
+  const keymap = useStudio((s) => s.keymap);
+  const groups = [...new Set(registry.all().map((c) => c.group))];
+  return (
+    <Backdrop label="Keys">
+      <div className="keys">
+        <div className="keys-head">
+          <h2>Keys</h2>
+          <div className="segmented" role="radiogroup" aria-label="Keymap">
+            {(['industry', 'blender'] as const).map((name) => (
+              <button
+                key={name}
+                type="button"
+                role="radio"
+                aria-checked={keymap === name}
+                onClick={() => {
+                  session.set({ keymap: name });
+                  session.remember();
+                }}
+              >
+                {name === 'industry' ? 'Industry' : 'Blender-like'}
+              </button>
+            ))}
+          </div>
+          <button type="button" className="tool" aria-label="Close" autoFocus onClick={close}>
+            <Icon name="close" />
+          </button>
+        </div>
+        <div className="keys-columns">
+          <section>
+            <h4>Mouse</h4>
+            {[...mouse[keymap], ...mouse_both].map(([what, how]) => (
+              <div key={what} className="key-row">
+                <span>{what}</span>
+                <span className="how">{how}</span>
+              </div>
+            ))}
+          </section>
+          {groups.map((group) => {
+            const rows = registry.all().filter((c) => c.group === group && registry.keys_of(c, keymap).length > 0);
+            return rows.length === 0 ? null : (
+              <section key={group}>
+                <h4>{group}</h4>
+                {rows.map((command) => (
+                  <div key={command.id} className="key-row">
+                    <span>{command.label}</span>
+                    <span>
+                      {registry.keys_of(command, keymap).slice(0, 2).map((key) => (
+                        <kbd key={key}>{show_key(key)}</kbd>
+                      ))}
+                    </span>
+                  </div>
+                ))}
+              </section>
+            );
+          })}
+        </div>
+      </div>
+    </Backdrop>
+  );
+}
+
+function SaveAs(): ReactElement {
+  const path = useStudio((s) => s.project?.path ?? '');
+  const [text, set_text] = useState(path);
+  const save = (): void => {
+    const to = text.trim();
+    if (!to) return;
+    close();
+    session.save(/\.ugoki$/.test(to) ? to : `${to}.ugoki`);
+  };
+  return (
+    <Backdrop label="Save as" top>
+      <form
+        className="save-as"
+        onSubmit={(e) => {
+          e.preventDefault();
+          save();
+        }}
+      >
+        <label htmlFor="save-path">Save the project as</label>
+        <input id="save-path" autoFocus value={text} placeholder="folder/name.ugoki" spellCheck={false} onFocus={(e) => e.target.select()} onChange={(e) => set_text(e.target.value)} />
+        <div className="actions">
+          <button type="button" onClick={close}>Cancel</button>
+          <button type="submit" className="primary" disabled={!text.trim()}>Save</button>
+        </div>
+      </form>
+    </Backdrop>
+  );
+}
+
+export function Toasts(): ReactElement {
+  const toasts = useStudio((s) => s.toasts);
+  return (
+    <div className="toasts" role="region" aria-label="Messages">
+      {toasts.map((toast) => (
+        <div key={toast.id} className={`toast ${toast.level}`} role={toast.level === 'error' ? 'alert' : 'status'}>
+          <div>
+            {toast.problems.slice(0, 4).map((problem, i) => (
+              <div key={i} className="problem">
+                {problem.place && <code>{problem.place}</code>}
+                <p>{problem.message}</p>
+                {problem.remedy && <p className="remedy">{problem.remedy}</p>}
+              </div>
+            ))}
+            {toast.problems.length > 4 && <p className="remedy">and {toast.problems.length - 4} more; the log has them all</p>}
+          </div>
+          <button type="button" className="tool small" aria-label="Dismiss" onClick={() => session.dismiss(toast.id)}>
+            <Icon name="close" />
+          </button>
+        </div>
+      ))}
+    </div>
+  );
+}
+
+export function Banners(): ReactElement | null {
+  const connection = useStudio((s) => s.connection);
+  const stopped = useStudio((s) => s.stopped);
+  const retry_at = useStudio((s) => s.retry_at);
+  const [seconds, set_seconds] = useState(0);
+  useEffect(() => {
+    if (connection !== 'lost') return;
+    const tick = (): void => set_seconds(Math.max(0, Math.ceil((retry_at - Date.now()) / 1000)));
+    tick();
+    const timer = setInterval(tick, 250);
+    return () => clearInterval(timer);
+  }, [connection, retry_at]);
+  if (connection === 'lost') {
+    return (
+      <div className="banner" role="alert">
+        <span>
+          The connection to the studio is lost. Your project is safe in it. {seconds > 0 ? `Trying again in ${seconds} s.` : 'Trying again…'} If it has ended, start it again with <code>ugoki studio</code>.
+        </span>
+        <button type="button" onClick={() => session.retry()}>Try now</button>
+      </div>
+    );
+  }
+  if (stopped) {
+    return (
+      <div className="banner" role="alert">
+        <span>The simulation stopped: {stopped}</span>
+        <button type="button" onClick={() => session.seek(0)}>To start</button>
+        <button type="button" className="quiet" onClick={() => session.set({ stopped: null })}>Dismiss</button>
+      </div>
+    );
+  }
+  return null;
+}

@@ -1,0 +1,95 @@
+/** `window.ugoki`: what journeys in a browser read; nothing here changes anything. */
+import * as THREE from 'three';
+import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
+import { parts, session } from './app';
+
+export interface PageHook {
+  readonly connected: boolean;
+  readonly pictures: number;
+  readonly frames_received: number;
+  document(): unknown;
+  transport(): unknown;
+  selection(): unknown;
+  summary(): unknown;
+  log(): string[];
+  undo(): { can_undo: boolean; can_redo: boolean; undo_label: string; redo_label: string };
+  frame(): { time: number; number: number; playing: boolean; simulate: boolean; grabbing: boolean; contacts: number } | null;
+  /** Index of a link by name or label, or -1. */
+  link_index(character: string, name: string): number;
+  link_position(character: string, link: number): [number, number, number] | null;
+  figure(character: string): { state: number; assist: number; over_cap: number; com: [number, number, number] } | null;
+  /** Pixels of the page of a link's middle as it is drawn. */
+  link_on_screen(character: string, link: number): { x: number; y: number } | null;
+  to_screen(point: [number, number, number]): { x: number; y: number } | null;
+}
+
+declare global {
+  interface Window {
+    ugoki: PageHook;
+  }
+}
+
+function figure_of(character: string) {
+  const frame = session.frames.latest;
+  const figure = frame?.figures[session.state.characters.findIndex((c) => c.id === character)];
+  return frame && figure ? { frame, figure } : null;
+}
+
+const mechanism_of = (character: string) => {
+  const id = session.state.characters.find((c) => c.id === character)?.mechanism;
+  return id ? session.state.mechanisms[id] : undefined;
+};
+
+export function expose_hook(): void {
+  window.ugoki = {
+    get connected() {
+      return session.state.connection === 'open';
+    },
+    get pictures() {
+      return parts.viewport?.pictures ?? 0;
+    },
+    get frames_received() {
+      return session.frames.received;
+    },
+    document: () => structuredClone(session.state.document),
+    transport: () => structuredClone(session.state.transport),
+    selection: () => structuredClone(session.state.selection),
+    summary: () => structuredClone(session.state.summary),
+    log: () => session.state.log.map((line) => `${line.level}: ${line.text}`),
+    undo: () => {
+      const { can_undo, can_redo, undo_label, redo_label } = session.state;
+      return { can_undo, can_redo, undo_label, redo_label };
+    },
+    frame: () => {
+      const f = session.frames.latest;
+      return f && { time: f.time, number: f.number, playing: f.playing, simulate: f.simulate, grabbing: f.grabbing, contacts: f.contact_count };
+    },
+    link_index: (character, name) => mechanism_of(character)?.links.findIndex((l) => l.name === name || l.label === name) ?? -1,
+    link_position: (character, link) => {
+      const found = figure_of(character);
+      return found && link < found.figure.links ? link_position(found.frame, found.figure, link) : null;
+    },
+    figure: (character) => {
+      const found = figure_of(character);
+      if (!found) return null;
+      const weight = body_weight(found.frame, found.figure);
+      return {
+        state: found.figure.state,
+        assist: weight > 0 ? Math.hypot(...assist_force(found.frame, found.figure)) / weight : 0,
+        over_cap: assist_over_cap(found.frame, found.figure),
+        com: centre_of_mass(found.frame, found.figure),
+      };
+    },
+    link_on_screen: (character, link) => {
+      const found = figure_of(character);
+      const shape = mechanism_of(character)?.links[link]?.shapes[0];
+      if (!found || link >= found.figure.links || !parts.viewport) return null;
+      const at = found.figure.poses + 7 * link;
+      const f = found.frame.floats;
+      const rotation = new THREE.Quaternion(f[at + 4], f[at + 5], f[at + 6], f[at + 3]);
+      const middle = new THREE.Vector3(...(shape ? (shape.pose.slice(0, 3) as [number, number, number]) : ([0, 0, 0] as const)));
+      return parts.viewport.to_client(middle.applyQuaternion(rotation).add(new THREE.Vector3(f[at], f[at + 1], f[at + 2])));
+    },
+    to_screen: (point) => parts.viewport?.to_client(new THREE.Vector3(...point)) ?? null,
+  };
+}

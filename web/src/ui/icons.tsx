@@ -1,0 +1,33 @@
+/** The page's icons: 16 units, drawn with the text's colour. */
+import type { ReactElement } from 'react';
+
+const paths = {
+  to_start: <path d="M4 3.5v9M12.500 3.500v9L6 8z" />,
+  back: <path d="M11 3.500v9L4.500 8z" />,
+  play: <path d="M4.500 2.800v10.400L13 8z" />,
+  pause: <path d="M4 3h3v10H4zM9 3h3v10H9z" />,
+  on: <path d="M5 3.500v9L11.500 8z" />,
+  to_end: <path d="M12 3.500v9M3.500 3.500v9L10 8z" />,
+  undo: <path d="M6 3.500L3 6.500l3 3M3.500 6.500h6a3.200 3.200 0 010 6.400H6.500" />,
+  redo: <path d="M10 3.500l3 3-3 3M12.500 6.500h-6a3.200 3.200 0 000 6.400h3" />,
+  save: <path d="M3 3h8l2 2v8H3zM5.500 3v3.500h4.500V3M5 13V9.500h6V13" />,
+  search: <path d="M7 2.800a4.200 4.200 0 110 8.400 4.200 4.200 0 010-8.400zM10.200 10.200l3.300 3.300" />,
+  import: <path d="M8 2.500v7.500M5 7.200l3 3 3-3M2.800 11.500v2h10.400v-2" />,
+  close: <path d="M4 4l8 8M12 4l-8 8" />,
+  figure: <path d="M9 6L8 9.500M8 9.500l2.500 1.500.5 3M8 9.500L6 12l-2.500 1.500M9 6L6 7M9 6l2.500 2H13M9.800 3.200a.9.9 0 11-1.800 0 .9.9 0 011.800 0z" />,
+  wave: <path d="M1.500 9c1.500-6 3.500-6 5 0s3.500 5 5 0c.8-2.700 1.800-3.400 3-3" />,
+  help: <path d="M5.800 6a2.200 2.200 0 114 1.300C9 8.200 8 8.400 8 9.800M8 12.300v.2" />,
+  sun: <path d="M8 5.200a2.800 2.800 0 110 5.600 2.800 2.800 0 010-5.600zM8 1.500V3M8 13v1.500M1.500 8H3M13 8h1.500M3.400 3.400l1 1M11.600 11.600l1 1M3.400 12.600l1-1M11.600 4.400l1-1" />,
+} as const;
+
+export type IconName = keyof typeof paths;
+
+const filled = new Set<IconName>(['play', 'pause', 'back', 'on', 'to_start', 'to_end']);
+
+export function Icon({ name }: { name: IconName }): ReactElement {
+  return (
+    <svg className={filled.has(name) ? 'icon filled' : 'icon'} viewBox="0 0 16 16" aria-hidden="true">
+      {paths[name]}
+    </svg>
+  );
+}

@@ -1,0 +1,369 @@
+import { useLayoutEffect, useRef, type ReactElement } from 'react';
+import { FigureState } from '../core/frames';
+import { apply_command, blend_spans, find_character, type Character, type Clip, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { format_number, format_time } from '../core/format';
+import { changed_fields, drag_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
+import { session, usePage, useStudio } from './app';
+
+const edge_px = 7;
+const snap_px = 8;
+const drag_px = 3;
+
+export interface DropGhost {
+  entry: string;
+  /** Null: a new character. */
+  character: string | null;
+  start: number;
+  length: number;
+  refused: boolean;
+  name: string;
+}
+
+/** What dropping a library entry at `time` would do; null: nothing to drop. */
+export function drop_target(entry_id: string, character: string | null, time: number, doc: ScenarioDocument): DropGhost | null {
+  const entry = session.entry(entry_id);
+  if (!entry) return null;
+  if (entry.kind === 'mechanism') return { entry: entry.id, character: null, start: 0, length: 0, refused: false, name: entry.name };
+  const target = character ? find_character(doc, character) : undefined;
+  const length = entry.duration ?? 1;
+  if (!target) return { entry: entry.id, character: null, start: 0, length, refused: !entry.mechanism, name: entry.name };
+  const rules: SnapRules = { ...snap_rules(doc, '', 14 / 60), enabled: true };
+  const start = Math.max(0, time + snap_delta([time], 0, rules).delta);
+  return {
+    entry: entry.id,
+    character: target.id,
+    start: Math.round(start * 1e6) / 1e6,
+    length,
+    refused: entry.mechanism !== undefined && entry.mechanism !== target.mechanism,
+    name: entry.name,
+  };
+}
+
+const snap_rules = (doc: ScenarioDocument, exclude: string, tolerance: number): Omit<SnapRules, 'enabled'> => ({
+  targets: snap_targets(doc, exclude, session.now),
+  tolerance,
+  frame_rate: doc.frame_rate,
+});
+
+interface DragSetup {
+  event: React.PointerEvent<HTMLElement>;
+  scale: number;
+  /** Shows the state after `delta` s; the pointer's modifiers choose snapping. */
+  move: (delta: number, rules: (doc: ScenarioDocument, exclude: string) => SnapRules) => void;
+  /** Sends it. */
+  done: () => void;
+  cancel: () => void;
+}
+
+/** One drag from press to release; below `drag_px` nothing happened. Shift is finer, Ctrl turns snapping over, Escape takes back. */
+function start_drag({ event, scale, move, done, cancel }: DragSetup): void {
+  const target = event.currentTarget;
+  target.setPointerCapture(event.pointerId);
+  let last = event.clientX;
+  let travelled = 0;
+  let dragging = false;
+  const rules_of = (e: { ctrlKey: boolean; metaKey: boolean; shiftKey: boolean }) => (doc: ScenarioDocument, exclude: string): SnapRules => ({
+    ...snap_rules(doc, exclude, e.shiftKey ? 0 : snap_px / scale),
+    enabled: !(e.ctrlKey || e.metaKey),
+  });
+  const on_move = (e: PointerEvent): void => {
+    travelled += (e.clientX - last) * (e.shiftKey ? 0.1 : 1);
+    last = e.clientX;
+    if (!dragging && Math.abs(e.clientX - event.clientX) < drag_px) return;
+    dragging = true;
+    move(travelled / scale, rules_of(e));
+  };
+  const stop = (): void => {
+    target.removeEventListener('pointermove', on_move);
+    target.removeEventListener('pointerup', on_up);
+    target.removeEventListener('pointercancel', on_cancel);
+    window.removeEventListener('keydown', on_key, true);
+  };
+  const on_up = (): void => {
+    stop();
+    if (dragging) done();
+  };
+  const on_cancel = (): void => {
+    stop();
+    cancel();
+  };
+  const on_key = (e: KeyboardEvent): void => {
+    if (e.key !== 'Escape') return;
+    e.preventDefault();
+    e.stopPropagation();
+    on_cancel();
+  };
+  target.addEventListener('pointermove', on_move);
+  target.addEventListener('pointerup', on_up);
+  target.addEventListener('pointercancel', on_cancel);
+  window.addEventListener('keydown', on_key, true);
+}
+
+interface TrackProps {
+  character: Character;
+  view: TimeView;
+  on_guide: (time: number | null) => void;
+  ghost: DropGhost | null;
+}
+
+export function Track({ character, view, on_guide, ghost }: TrackProps): ReactElement {
+  const selection = useStudio((s) => s.selection);
+  const state = usePage((s) => s.figure_states[character.id]);
+  const library = useStudio((s) => s.library);
+  const chosen = selection.kind === 'character' && selection.character === character.id;
+  const active = chosen || (selection.kind === 'clip' && selection.character === character.id);
+  return (
+    <div className={active ? 'track active' : 'track'}>
+      <button
+        type="button"
+        className="track-name"
+        aria-pressed={chosen}
+        title={`Select ${character.name}`}
+        onClick={() => session.select({ kind: 'character', character: character.id })}
+      >
+        <span className="dot" style={{ background: character.color ?? '#e6e6ea' }} />
+        <span className="label">{character.name}</span>
+        {state === FigureState.let_go && <span className="let-go">let go</span>}
+        {character.control.mode === 'passive' && state !== FigureState.let_go && <span className="passive">passive</span>}
+      </button>
+      <div
+        className="lane"
+        role="list"
+        aria-label={`Clips of ${character.name}`}
+        onPointerDown={(e) => {
+          if (e.button === 0 && e.target === e.currentTarget) session.select({ kind: 'character', character: character.id });
+        }}
+      >
+        {character.track.map((clip) => {
+          const entry = library.find((e) => e.id === clip.motion);
+          return (
+            <ClipBox
+              key={clip.id}
+              character={character.id}
+              clip={clip}
+              name={entry?.name ?? clip.motion}
+              motion_duration={entry?.duration}
+              view={view}
+              selected={selection.kind === 'clip' && selection.clip === clip.id && selection.character === character.id}
+              on_guide={on_guide}
+            />
+          );
+        })}
+        {blend_spans(character.track).map((span) => (
+          <svg
+            key={span.into}
+            className="blend"
+            aria-hidden="true"
+            preserveAspectRatio="none"
+            viewBox="0 0 10 10"
+            style={{ left: time_to_x(view, span.from), width: Math.max(1, (span.to - span.from) * view.scale) }}
+          >
+            <path d="M0 0L10 10M0 10L10 0" vectorEffect="non-scaling-stroke" />
+          </svg>
+        ))}
+        {ghost && (
+          <div className={ghost.refused ? 'clip drop refused' : 'clip drop'} style={{ left: time_to_x(view, ghost.start), width: Math.max(8, ghost.length * view.scale) }}>
+            <span className="clip-name">{ghost.refused ? `${ghost.name}: for another mechanism` : ghost.name}</span>
+          </div>
+        )}
+        <ContactBar character={character.id} view={view} />
+      </div>
+    </div>
+  );
+}
+
+interface ClipBoxProps {
+  character: string;
+  clip: Clip;
+  name: string;
+  motion_duration: number | undefined;
+  view: TimeView;
+  selected: boolean;
+  on_guide: (time: number | null) => void;
+}
+
+function ClipBox({ character, clip, name, motion_duration, view, selected, on_guide }: ClipBoxProps): ReactElement {
+  const width = Math.max(4, clip.length * view.scale);
+
+  const kind_at = (event: React.PointerEvent<HTMLElement>): ClipDragKind => {
+    const box = event.currentTarget.getBoundingClientRect();
+    const edge = Math.min(edge_px, box.width / 4);
+    if (event.clientX - box.left < edge) return 'trim_start';
+    if (box.right - event.clientX < edge) return event.altKey ? 'stretch' : 'trim_end';
+    return event.altKey ? 'slip' : 'move';
+  };
+
+  const down = (event: React.PointerEvent<HTMLElement>): void => {
+    if (event.button !== 0) return;
+    event.stopPropagation();
+    session.select({ kind: 'clip', character, clip: clip.id });
+    const kind = kind_at(event);
+    const document = session.state.document;
+    const origin = document && find_character(document, character)?.track.find((k) => k.id === clip.id);
+    if (!document || !origin) return;
+    let fields: ReturnType<typeof changed_fields> = null;
+    start_drag({
+      event,
+      scale: view.scale,
+      move: (delta, rules) => {
+        const result = drag_clip(origin, kind, delta, rules(document, clip.id), motion_duration);
+        fields = changed_fields(origin, result.fields);
+        on_guide(result.at);
+        session.show_preview(fields ? apply_command(document, { type: 'clip.set', character, id: clip.id, ...fields }) : null);
+      },
+      done: () => {
+        on_guide(null);
+        if (fields) void session.edit({ type: 'clip.set', character, id: clip.id, ...fields });
+        else session.show_preview(null);
+      },
+      cancel: () => {
+        on_guide(null);
+        session.show_preview(null);
+      },
+    });
+  };
+
+  const hover = (event: React.PointerEvent<HTMLElement>): void => {
+    if (event.buttons !== 0) return;
+    const kind = kind_at(event);
+    event.currentTarget.style.cursor = kind === 'move' ? 'grab' : kind === 'slip' ? 'col-resize' : 'ew-resize';
+  };
+
+  const loop_marks: number[] = [];
+  if (clip.loop && motion_duration && motion_duration > 0) {
+    const period = motion_duration / clip.speed;
+    let at = (motion_duration - (clip.offset % motion_duration)) / clip.speed;
+    for (; at < clip.length - 1e-6 && loop_marks.length < 200; at += period) if (period * view.scale > 6) loop_marks.push(at * view.scale);
+  }
+  const details = [clip.speed !== 1 && `× ${format_number(clip.speed)}`, clip.loop && '↻'].filter(Boolean).join('  ');
+  return (
+    <div
+      role="listitem"
+      tabIndex={0}
+      className={selected ? 'clip selected' : 'clip'}
+      data-clip={clip.id}
+      aria-label={`${name}, from ${format_time(clip.start)} for ${format_number(clip.length)} seconds${selected ? ', selected' : ''}`}
+      title={`${name}\n${format_number(clip.start)} s … ${format_number(clip.start + clip.length)} s${clip.offset ? `, from ${format_number(clip.offset)} s of the motion` : ''}`}
+      style={{ left: time_to_x(view, clip.start), width }}
+      onPointerDown={down}
+      onPointerMove={hover}
+      onFocus={() => session.select({ kind: 'clip', character, clip: clip.id })}
+    >
+      {clip.blend > 0 && clip.start > 0 && <span className="fade" style={{ width: Math.min(width, clip.blend * view.scale) }} />}
+      {loop_marks.map((x) => (
+        <span key={x} className="loop-mark" style={{ left: x }} />
+      ))}
+      <span className="clip-name">
+        {name}
+        {details && <span className="clip-details"> {details}</span>}
+      </span>
+    </div>
+  );
+}
+
+/** Feet on the ground over time: both green, one yellow, none orange. */
+function ContactBar({ character, view }: { character: string; view: TimeView }): ReactElement {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const contacts = useStudio((s) => s.summary.contacts);
+  const theme = useStudio((s) => s.theme);
+  useLayoutEffect(() => {
+    const element = canvas.current;
+    const context = element?.getContext('2d');
+    if (!element || !context) return;
+    const draw = (): void => {
+      const ratio = window.devicePixelRatio || 1;
+      const { clientWidth: width, clientHeight: height } = element;
+      element.width = Math.max(1, Math.round(width * ratio));
+      element.height = Math.max(1, Math.round(height * ratio));
+      context.scale(ratio, ratio);
+      const style = getComputedStyle(element);
+      for (const span of contacts) {
+        if (span.character !== character) continue;
+        const x = time_to_x(view, span.from);
+        const w = (span.to - span.from) * view.scale;
+        if (x > width || x + w < 0) continue;
+        context.fillStyle = style.getPropertyValue(span.feet >= 2 ? '--good' : span.feet === 1 ? '--one' : '--flight');
+        const gap = w > 5 ? 1 : 0;
+        context.beginPath();
+        context.roundRect(x, 0, Math.max(1, w - gap), height, height / 2);
+        context.fill();
+      }
+    };
+    draw();
+    const observer = new ResizeObserver(draw);
+    observer.observe(element);
+    return () => observer.disconnect();
+  }, [contacts, character, view, theme]);
+  return <canvas ref={canvas} className="contacts" role="img" aria-label="Contacts with the ground: green both feet, yellow one, orange flight" title="Contacts with the ground: green both feet, yellow one, orange flight" />;
+}
+
+export function describe_event(event: ScenarioEvent, doc: ScenarioDocument): string {
+  const who = event.character ? (find_character(doc, event.character)?.name ?? event.character) : '';
+  if (event.type === 'push') return `push ${who}${event.force ? ` ${format_number(Math.hypot(...event.force), 0)} N` : ''}`.trim();
+  if (event.type === 'throw') return `throw ${who}`.trim();
+  return [event.type, who].filter(Boolean).join(' ');
+}
+
+export function EventTrack({ doc, view, on_guide }: { doc: ScenarioDocument; view: TimeView; on_guide: (time: number | null) => void }): ReactElement {
+  const selection = useStudio((s) => s.selection);
+  return (
+    <div className="track events">
+      <div className="track-name plain">
+        <span className="dot" style={{ background: 'var(--event)' }} />
+        <span className="label">Events</span>
+      </div>
+      <div className="lane" role="list" aria-label="Events">
+        {doc.events.map((event) => (
+          <EventPill key={event.id} event={event} doc={doc} view={view} on_guide={on_guide} selected={selection.kind === 'event' && selection.event === event.id} />
+        ))}
+        {doc.events.length === 0 && <span className="hint">Shift P adds a push at the playhead</span>}
+      </div>
+    </div>
+  );
+}
+
+function EventPill({ event, doc, view, selected, on_guide }: { event: ScenarioEvent; doc: ScenarioDocument; view: TimeView; selected: boolean; on_guide: (time: number | null) => void }): ReactElement {
+  const text = describe_event(event, doc);
+  const down = (pointer: React.PointerEvent<HTMLElement>): void => {
+    if (pointer.button !== 0) return;
+    pointer.stopPropagation();
+    session.select({ kind: 'event', event: event.id });
+    const document = session.state.document;
+    const origin = document?.events.find((e) => e.id === event.id);
+    if (!document || !origin) return;
+    let time = origin.time;
+    start_drag({
+      event: pointer,
+      scale: view.scale,
+      move: (delta, rules) => {
+        const snapped = snap_delta([origin.time], delta, rules(document, event.id));
+        time = Math.max(0, Math.round((origin.time + snapped.delta) * 1e6) / 1e6);
+        on_guide(snapped.at);
+        session.show_preview(apply_command(document, { type: 'event.set', id: event.id, event: { time } }));
+      },
+      done: () => {
+        on_guide(null);
+        if (time !== origin.time) void session.edit({ type: 'event.set', id: event.id, event: { time } });
+        else session.show_preview(null);
+      },
+      cancel: () => {
+        on_guide(null);
+        session.show_preview(null);
+      },
+    });
+  };
+  return (
+    <div
+      role="listitem"
+      tabIndex={0}
+      className={selected ? `pill ${event.type} selected` : `pill ${event.type}`}
+      aria-label={`${text}, at ${format_time(event.time)}`}
+      title={`${text}\nat ${format_number(event.time)} s`}
+      style={{ left: time_to_x(view, event.time) }}
+      onPointerDown={down}
+      onFocus={() => session.select({ kind: 'event', event: event.id })}
+    >
+      {text}
+    </div>
+  );
+}

@@ -1,0 +1,156 @@
+/** The eye: orbit, pan, zoom and follow about a target, smoothed; perspective or orthographic. Z is up. */
+import * as THREE from 'three';
+
+const field_of_view = 36;
+const smooth_time = 0.09; // s, of the camera's own motion
+const follow_time = 0.28; // s, of following a figure
+
+export interface Eye {
+  target: THREE.Vector3;
+  azimuth: number;
+  elevation: number;
+  distance: number;
+}
+
+const copy_eye = (eye: Eye): Eye => ({ ...eye, target: eye.target.clone() });
+
+export class CameraRig {
+  readonly perspective = new THREE.PerspectiveCamera(field_of_view, 1, 0.02, 600);
+  readonly orthographic = new THREE.OrthographicCamera(-1, 1, 1, -1, -200, 600);
+  use_perspective = true;
+  private eye: Eye = { target: new THREE.Vector3(0, 0, 0.9), azimuth: 0.7, elevation: 0.22, distance: 5 };
+  private goal: Eye = copy_eye(this.eye);
+  private aspect = 1;
+  private followed: THREE.Vector3 | null = null;
+  private readonly follow_goal = new THREE.Vector3();
+
+  constructor() {
+    this.perspective.up.set(0, 0, 1);
+    this.orthographic.up.set(0, 0, 1);
+    this.apply();
+  }
+
+  get camera(): THREE.PerspectiveCamera | THREE.OrthographicCamera {
+    return this.use_perspective ? this.perspective : this.orthographic;
+  }
+
+  get current(): Readonly<Eye> {
+    return this.eye;
+  }
+
+  resize(aspect: number): void {
+    this.aspect = aspect;
+    this.apply();
+  }
+
+  orbit(dx: number, dy: number): void {
+    this.goal.azimuth -= dx * 0.0075;
+    this.goal.elevation = clamp(this.goal.elevation + dy * 0.0065, -1.45, 1.55);
+  }
+
+  /** Moves so that what is under the cursor stays under it, for a view of `height` px. */
+  pan(dx: number, dy: number, height: number): void {
+    const per_px = (2 * this.goal.distance * Math.tan((field_of_view * Math.PI) / 360)) / Math.max(height, 1);
+    const m = this.camera.matrixWorld.elements;
+    const right = new THREE.Vector3(m[0], m[1], m[2]);
+    const up = new THREE.Vector3(m[4], m[5], m[6]);
+    this.goal.target.addScaledVector(right, -dx * per_px).addScaledVector(up, dy * per_px);
+    this.goal.target.z = clamp(this.goal.target.z, -2, 50);
+  }
+
+  zoom(factor: number): void {
+    this.goal.distance = clamp(this.goal.distance * factor, 0.25, 120);
+  }
+
+  look_from(azimuth: number, elevation: number): void {
+    const turn = Math.round((this.goal.azimuth - azimuth) / (2 * Math.PI)) * 2 * Math.PI;
+    this.goal.azimuth = azimuth + turn;
+    this.goal.elevation = elevation;
+  }
+
+  frame(sphere: THREE.Sphere): void {
+    this.goal.target.copy(sphere.center);
+    const half = (field_of_view * Math.PI) / 360;
+    const narrow = Math.min(1, this.aspect);
+    this.goal.distance = clamp((sphere.radius * 1.18) / Math.sin(half) / narrow, 0.4, 120);
+  }
+
+  set(eye: Partial<Eye>, at_once: boolean): void {
+    Object.assign(this.goal, eye);
+    this.goal.target = this.goal.target.clone();
+    if (at_once) {
+      this.eye = copy_eye(this.goal);
+      this.apply();
+    }
+  }
+
+  /** Carries the view along with `point`; null: stays. The view's own offset from it is the user's. */
+  follow(point: THREE.Vector3 | null): void {
+    if (!point) {
+      this.followed = null;
+      return;
+    }
+    this.follow_goal.copy(point);
+    if (!this.followed) this.followed = point.clone();
+  }
+
+  /** Advances by `dt` s; true while something still moves. */
+  update(dt: number): boolean {
+    let moving = false;
+    if (this.followed) {
+      const k = 1 - Math.exp(-dt / follow_time);
+      const step = this.follow_goal.clone().sub(this.followed).multiplyScalar(k);
+      step.z *= 0.35;
+      if (step.lengthSq() > 1e-10) {
+        this.followed.add(step);
+        this.goal.target.add(step);
+        this.eye.target.add(step);
+        moving = true;
+      }
+    }
+    const k = 1 - Math.exp(-dt / smooth_time);
+    const { eye, goal } = this;
+    const error =
+      eye.target.distanceTo(goal.target) / goal.distance +
+      Math.abs(eye.azimuth - goal.azimuth) +
+      Math.abs(eye.elevation - goal.elevation) +
+      Math.abs(eye.distance - goal.distance) / goal.distance;
+    if (error > 1e-4) {
+      eye.target.lerp(goal.target, k);
+      eye.azimuth += (goal.azimuth - eye.azimuth) * k;
+      eye.elevation += (goal.elevation - eye.elevation) * k;
+      eye.distance += (goal.distance - eye.distance) * k;
+      moving = true;
+    }
+    if (moving) this.apply();
+    return moving;
+  }
+
+  apply(): void {
+    const { target, azimuth, elevation, distance } = this.eye;
+    const direction = new THREE.Vector3(
+      Math.cos(elevation) * Math.cos(azimuth),
+      Math.cos(elevation) * Math.sin(azimuth),
+      Math.sin(elevation),
+    );
+    const position = target.clone().addScaledVector(direction, distance);
+    if (elevation > 0 && position.z < 0.03) position.z = 0.03;
+    for (const camera of [this.perspective, this.orthographic]) {
+      camera.position.copy(position);
+      // straight down there is no up: keep the screen's up along the azimuth
+      if (Math.cos(elevation) < 0.03) camera.up.set(-Math.cos(azimuth), -Math.sin(azimuth), 0);
+      else camera.up.set(0, 0, 1);
+      camera.lookAt(target);
+    }
+    this.perspective.aspect = this.aspect;
+    this.perspective.near = Math.max(0.01, distance * 0.01);
+    this.perspective.updateProjectionMatrix();
+    const half = distance * Math.tan((field_of_view * Math.PI) / 360);
+    Object.assign(this.orthographic, { left: -half * this.aspect, right: half * this.aspect, top: half, bottom: -half });
+    this.orthographic.updateProjectionMatrix();
+    this.perspective.updateMatrixWorld();
+    this.orthographic.updateMatrixWorld();
+  }
+}
+
+const clamp = (value: number, low: number, high: number): number => Math.min(high, Math.max(low, value));

@@ -1,0 +1,171 @@
+/** A mechanism drawn as shaded bodies: one mesh a link, placed straight from the numbers of a frame. */
+import * as THREE from 'three';
+import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
+import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import type { Frame, FigureFrame } from '../core/frames';
+import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
+
+const pose_position = new THREE.Vector3();
+const pose_rotation = new THREE.Quaternion();
+const unit_scale = new THREE.Vector3(1, 1, 1);
+
+function shape_geometry(shape: ShapeData): THREE.BufferGeometry {
+  const r = Math.max(shape.radius ?? 0.05, 1e-3);
+  let geometry: THREE.BufferGeometry;
+  if (shape.type === 'sphere') {
+    geometry = new THREE.SphereGeometry(r, 40, 28);
+  } else if (shape.type === 'capsule') {
+    geometry = new THREE.CapsuleGeometry(r, 2 * (shape.half_length ?? 0), 10, 26).rotateX(Math.PI / 2);
+  } else {
+    const [x, y, z] = shape.half_extents ?? [0.05, 0.05, 0.05];
+    geometry = new RoundedBoxGeometry(2 * x, 2 * y, 2 * z, 4, 0.42 * Math.min(x, y, z));
+  }
+  const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = shape.pose;
+  geometry.applyMatrix4(new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), unit_scale));
+  const plain = geometry.index ? geometry.toNonIndexed() : geometry;
+  plain.deleteAttribute('uv');
+  return plain;
+}
+
+/** One geometry of all shapes of a link, in the link's frame; null where it has none. */
+export function link_geometry(link: LinkData): THREE.BufferGeometry | null {
+  if (link.shapes.length === 0) return null;
+  const geometry = mergeGeometries(link.shapes.map(shape_geometry));
+  geometry.computeBoundingSphere();
+  return geometry;
+}
+
+/** Geometries of a mechanism, shared by all figures and ghosts of it. */
+export const mechanism_geometries = (mechanism: MechanismData): (THREE.BufferGeometry | null)[] => mechanism.links.map(link_geometry);
+
+export interface LinkTag {
+  character: string;
+  link: number;
+}
+
+export type Emphasis = 'none' | 'hover' | 'selected' | 'pulled';
+
+export class Figure {
+  readonly group = new THREE.Group();
+  readonly links: (THREE.Mesh | null)[];
+  private readonly plain: THREE.MeshStandardMaterial;
+  private readonly emphasised: Record<Exclude<Emphasis, 'none'>, THREE.MeshStandardMaterial>;
+  private readonly shown: Emphasis[];
+
+  constructor(
+    readonly character: string,
+    readonly mechanism: MechanismData,
+    geometries: (THREE.BufferGeometry | null)[],
+    color: string,
+  ) {
+    this.plain = new THREE.MeshStandardMaterial({ color, roughness: 0.58, metalness: 0 });
+    const tinted = (emissive: number, intensity: number): THREE.MeshStandardMaterial =>
+      new THREE.MeshStandardMaterial({ color, roughness: 0.58, emissive, emissiveIntensity: intensity });
+    this.emphasised = { hover: tinted(0xffffff, 0.09), selected: tinted(0xff8a3d, 0.34), pulled: tinted(0xff8a3d, 0.5) };
+    this.shown = mechanism.links.map(() => 'none');
+    this.links = mechanism.links.map((link, index) => {
+      const geometry = geometries[index];
+      if (!geometry) return null;
+      const mesh = new THREE.Mesh(geometry, this.plain);
+      mesh.matrixAutoUpdate = false;
+      mesh.castShadow = true;
+      mesh.receiveShadow = true;
+      mesh.name = link.name;
+      mesh.userData = { character, link: index } satisfies LinkTag;
+      this.group.add(mesh);
+      return mesh;
+    });
+    this.place_neutral();
+  }
+
+  set_color(color: string): void {
+    this.plain.color.set(color);
+    for (const material of Object.values(this.emphasised)) material.color.set(color);
+  }
+
+  emphasise(link: number, emphasis: Emphasis): void {
+    const mesh = this.links[link];
+    if (!mesh || this.shown[link] === emphasis) return;
+    this.shown[link] = emphasis;
+    mesh.material = emphasis === 'none' ? this.plain : this.emphasised[emphasis];
+  }
+
+  place_neutral(): void {
+    this.mechanism.links.forEach((link, index) => {
+      const p = link.neutral;
+      if (p) set_pose(this.links[index], p, 0);
+    });
+  }
+
+  place(frame: Frame, figure: FigureFrame): void {
+    const count = Math.min(figure.links, this.links.length);
+    for (let i = 0; i < count; i++) set_pose(this.links[i], frame.floats, figure.poses + 7 * i);
+  }
+
+  dispose(): void {
+    this.plain.dispose();
+    for (const material of Object.values(this.emphasised)) material.dispose();
+  }
+}
+
+function set_pose(mesh: THREE.Mesh | null | undefined, values: ArrayLike<number>, at: number): void {
+  if (!mesh) return;
+  pose_position.set(values[at]!, values[at + 1]!, values[at + 2]!);
+  pose_rotation.set(values[at + 4]!, values[at + 5]!, values[at + 6]!, values[at + 3]!);
+  mesh.matrix.compose(pose_position, pose_rotation, unit_scale);
+  mesh.matrixWorldNeedsUpdate = true;
+}
+
+/** A figure at another time: one even, transparent silhouette (depth first, colour after). */
+export class Ghost {
+  readonly group = new THREE.Group();
+  private readonly pairs: ([THREE.Mesh, THREE.Mesh] | null)[];
+  private readonly color_material: THREE.MeshStandardMaterial;
+  private readonly depth_material: THREE.MeshBasicMaterial;
+
+  constructor(geometries: (THREE.BufferGeometry | null)[], order: number) {
+    this.depth_material = new THREE.MeshBasicMaterial({ colorWrite: false });
+    this.color_material = new THREE.MeshStandardMaterial({
+      color: 0x8fb3c4,
+      roughness: 0.9,
+      transparent: true,
+      opacity: 0.2,
+      depthFunc: THREE.EqualDepth,
+      depthWrite: false,
+    });
+    this.depth_material.transparent = true; // drawn after the solid bodies, before its own colour
+    this.pairs = geometries.map((geometry) => {
+      if (!geometry) return null;
+      const make = (material: THREE.Material, render_order: number): THREE.Mesh => {
+        const mesh = new THREE.Mesh(geometry, material);
+        mesh.matrixAutoUpdate = false;
+        mesh.renderOrder = render_order;
+        this.group.add(mesh);
+        return mesh;
+      };
+      return [make(this.depth_material, 10 + 2 * order), make(this.color_material, 11 + 2 * order)];
+    });
+    this.group.visible = false;
+  }
+
+  show(frame: Frame, figure: FigureFrame, opacity: number): void {
+    this.color_material.opacity = opacity;
+    const count = Math.min(figure.links, this.pairs.length);
+    for (let i = 0; i < count; i++) {
+      const pair = this.pairs[i];
+      if (!pair) continue;
+      set_pose(pair[0], frame.floats, figure.poses + 7 * i);
+      set_pose(pair[1], frame.floats, figure.poses + 7 * i);
+    }
+    this.group.visible = true;
+  }
+
+  hide(): void {
+    this.group.visible = false;
+  }
+
+  dispose(): void {
+    this.color_material.dispose();
+    this.depth_material.dispose();
+  }
+}

@@ -1,0 +1,144 @@
+/** What is drawn over the bodies: force arrows, the root-assist arrow, trails, the spring of a pull, the selected figure's ring. */
+import * as THREE from 'three';
+import { Line2 } from 'three/examples/jsm/lines/Line2.js';
+import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
+
+const up = new THREE.Vector3(0, 1, 0);
+
+/** Green while the assist is small against its cap, amber near it, red at it. */
+export function assist_color(over_cap: number, out = new THREE.Color()): THREE.Color {
+  const good = new THREE.Color(0x34d399);
+  const warn = new THREE.Color(0xfbbf24);
+  const bad = new THREE.Color(0xf87171);
+  if (over_cap <= 0.3) return out.copy(good);
+  if (over_cap <= 0.7) return out.lerpColors(good, warn, (over_cap - 0.3) / 0.4);
+  return out.lerpColors(warn, bad, Math.min(1, (over_cap - 0.7) / 0.3));
+}
+
+export class Arrow {
+  readonly group = new THREE.Group();
+  private readonly shaft: THREE.Mesh;
+  private readonly head: THREE.Mesh;
+  readonly material: THREE.MeshBasicMaterial;
+
+  constructor(color: THREE.ColorRepresentation, private readonly thickness: number, on_top = false) {
+    this.material = new THREE.MeshBasicMaterial({ color, depthTest: !on_top, transparent: on_top, opacity: 0.95 });
+    this.shaft = new THREE.Mesh(shaft_geometry, this.material);
+    this.head = new THREE.Mesh(head_geometry, this.material);
+    this.group.add(this.shaft, this.head);
+    if (on_top) this.shaft.renderOrder = this.head.renderOrder = 50;
+    this.group.visible = false;
+  }
+
+  show(from: THREE.Vector3, along: THREE.Vector3): void {
+    const length = along.length();
+    if (length < 1e-4) {
+      this.group.visible = false;
+      return;
+    }
+    const head = Math.min(this.thickness * 5.5, length * 0.5);
+    this.group.position.copy(from);
+    this.group.quaternion.setFromUnitVectors(up, along.clone().divideScalar(length));
+    this.shaft.scale.set(this.thickness, length - head, this.thickness);
+    this.head.scale.set(this.thickness * 2.6, head, this.thickness * 2.6);
+    this.head.position.y = length - head;
+    this.group.visible = true;
+  }
+
+  hide(): void {
+    this.group.visible = false;
+  }
+}
+
+const shaft_geometry = new THREE.CylinderGeometry(1, 1, 1, 12).translate(0, 0.5, 0);
+const head_geometry = new THREE.ConeGeometry(1, 1, 16).translate(0, 0.5, 0);
+
+/** A fat line through points that change. */
+export class Polyline {
+  readonly line: Line2;
+  private geometry = new LineGeometry();
+  readonly material: LineMaterial;
+
+  constructor(color: THREE.ColorRepresentation, width: number, opacity = 1, on_top = false) {
+    this.material = new LineMaterial({ color: new THREE.Color(color).getHex(), linewidth: width, transparent: true, opacity, depthTest: !on_top });
+    this.line = new Line2(this.geometry, this.material);
+    this.line.frustumCulled = false;
+    this.line.visible = false;
+    if (on_top) this.line.renderOrder = 60;
+  }
+
+  show(points: number[]): void {
+    if (points.length < 6) {
+      this.line.visible = false;
+      return;
+    }
+    // a line's buffers cannot grow in place
+    this.geometry.dispose();
+    this.geometry = new LineGeometry();
+    this.geometry.setPositions(points);
+    this.line.geometry = this.geometry;
+    this.line.visible = true;
+  }
+
+  hide(): void {
+    this.line.visible = false;
+  }
+}
+
+/** The pull: a spring from the grabbed point to the cursor's target, with a bead at both ends. */
+export class Spring {
+  readonly group = new THREE.Group();
+  private readonly coil = new Polyline(0xff8a3d, 2, 0.95, true);
+  private readonly beads: THREE.Mesh[];
+
+  constructor() {
+    const material = new THREE.MeshBasicMaterial({ color: 0xff8a3d, depthTest: false, transparent: true });
+    const geometry = new THREE.SphereGeometry(1, 16, 12);
+    this.beads = [new THREE.Mesh(geometry, material), new THREE.Mesh(geometry, material)];
+    for (const bead of this.beads) bead.renderOrder = 61;
+    this.group.add(this.coil.line, ...this.beads);
+    this.group.visible = false;
+  }
+
+  /** @param size m, of a bead: scaled with the view */
+  show(from: THREE.Vector3, to: THREE.Vector3, camera: THREE.Camera, size: number): void {
+    const along = to.clone().sub(from);
+    const length = along.length();
+    this.beads[0]!.position.copy(from);
+    this.beads[0]!.scale.setScalar(size);
+    this.beads[1]!.position.copy(to);
+    this.beads[1]!.scale.setScalar(size * 1.25);
+    const view = camera.getWorldDirection(new THREE.Vector3());
+    const side = along.clone().cross(view);
+    const points: number[] = [from.x, from.y, from.z];
+    if (side.lengthSq() > 1e-12 && length > size * 4) {
+      side.normalize();
+      const turns = 9;
+      const amplitude = Math.min(size * 1.7, (size * 3.2 * 0.6) / Math.max(length, 0.25));
+      for (let i = 0; i <= turns * 2; i++) {
+        const t = 0.12 + (0.76 * i) / (turns * 2);
+        const a = i === 0 || i === turns * 2 ? 0 : i % 2 === 0 ? amplitude : -amplitude;
+        points.push(from.x + along.x * t + side.x * a, from.y + along.y * t + side.y * a, from.z + along.z * t + side.z * a);
+      }
+    }
+    points.push(to.x, to.y, to.z);
+    this.coil.show(points);
+    this.group.visible = true;
+  }
+
+  hide(): void {
+    this.group.visible = false;
+  }
+}
+
+/** A thin ring on the floor under what is selected. */
+export function make_ring(): THREE.Mesh {
+  const ring = new THREE.Mesh(
+    new THREE.RingGeometry(0.965, 1, 96),
+    new THREE.MeshBasicMaterial({ color: 0xff8a3d, transparent: true, opacity: 0.7, depthWrite: false }),
+  );
+  ring.renderOrder = 1;
+  ring.visible = false;
+  return ring;
+}

@@ -1,0 +1,119 @@
+/** Renderer, lights and background: everything of the picture that is not a figure. Draws finer when nothing moves. */
+import * as THREE from 'three';
+import { Floor } from './floor';
+
+export interface StageLook {
+  theme: 'dark' | 'light';
+  /** Floor colour of the document. */
+  floor: string;
+  /** 0 ... 2, of the document. */
+  light: number;
+}
+
+const default_floor = '#2a2c31';
+
+export class Stage {
+  readonly renderer: THREE.WebGLRenderer;
+  readonly scene = new THREE.Scene();
+  readonly floor = new Floor();
+  private readonly key = new THREE.DirectionalLight(0xfff3e4, 2.5);
+  private readonly fill = new THREE.DirectionalLight(0xa9c4ff, 0.55);
+  private readonly sky = new THREE.HemisphereLight(0xdfe8f7, 0x2d2b2a, 1.15);
+  private readonly background = new THREE.Color();
+  private readonly software: boolean;
+  private quality = 1;
+  private width = 1;
+  private height = 1;
+  private slow_frames = 0;
+  private fast_frames = 0;
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.software = is_software(this.renderer);
+    this.scene.background = this.background;
+    this.key.castShadow = true;
+    this.key.shadow.mapSize.setScalar(this.software ? 1024 : 2048);
+    this.key.shadow.bias = -0.0006;
+    this.key.shadow.normalBias = 0.012;
+    this.key.shadow.radius = 5;
+    this.scene.add(this.floor.mesh, this.key, this.key.target, this.fill, this.fill.target, this.sky);
+    this.quality = this.software ? 0.75 : 1;
+  }
+
+  set_look(look: StageLook): void {
+    const dark = look.theme === 'dark';
+    const own = look.floor.toLowerCase() !== default_floor;
+    this.background.set(dark ? 0x101318 : 0xe3e6ea);
+    const floor = new THREE.Color(dark || own ? look.floor : '#c3c7cd');
+    this.floor.set_colors(floor, new THREE.Color(dark ? 0x8b93a1 : 0x6b7280), this.background, dark ? 0.34 : 0.4);
+    const light = Math.max(0.05, look.light / 0.9);
+    this.key.intensity = 2.5 * light;
+    this.fill.intensity = 0.55 * light;
+    this.sky.intensity = (dark ? 1.15 : 1.5) * light;
+  }
+
+  resize(width: number, height: number): void {
+    this.width = Math.max(1, width);
+    this.height = Math.max(1, height);
+    this.set_ratio(true);
+  }
+
+  /** Centres lights and floor on what is looked at. @param reach m, of the shadows */
+  focus(centre: THREE.Vector3, reach: number, view_distance: number): void {
+    const half = Math.max(2.2, Math.min(reach, 14));
+    // steps of a shadow texel keep the shadow's edge from swimming as the light follows
+    const texel = (2 * half) / this.key.shadow.mapSize.x;
+    const x = Math.round(centre.x / texel) * texel;
+    const y = Math.round(centre.y / texel) * texel;
+    this.key.target.position.set(x, y, 0.6);
+    this.key.position.set(x + 2.6, y + 3.4, 7.4);
+    this.fill.target.position.set(x, y, 0.8);
+    this.fill.position.set(x - 5, y - 4, 3);
+    const camera = this.key.shadow.camera;
+    if (camera.right !== half) {
+      Object.assign(camera, { left: -half, right: half, top: half, bottom: -half, near: 0.5, far: 22 });
+      camera.updateProjectionMatrix();
+    }
+    this.floor.set_focus(centre.x, centre.y, Math.max(14, view_distance * 4.2));
+  }
+
+  /** @param still nothing moves: this picture will be looked at for a while */
+  render(camera: THREE.Camera, still: boolean): void {
+    this.set_ratio(still);
+    this.renderer.render(this.scene, camera);
+  }
+
+  /** Tells how long a moving frame took, so that the pixels fit the machine. */
+  note_frame_time(ms: number): void {
+    if (ms > 40) this.slow_frames++;
+    else if (ms < 22) this.fast_frames++;
+    if (this.slow_frames > 6) {
+      this.quality = Math.max(0.5, this.quality * 0.8);
+      this.slow_frames = this.fast_frames = 0;
+    } else if (this.fast_frames > 120) {
+      this.quality = Math.min(1, this.quality * 1.25);
+      this.slow_frames = this.fast_frames = 0;
+    }
+  }
+
+  private set_ratio(still: boolean): void {
+    const full = Math.min(window.devicePixelRatio || 1, 2);
+    const ratio = still ? full : full * this.quality;
+    const size = this.renderer.getSize(new THREE.Vector2());
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    if (size.x !== this.width || size.y !== this.height) this.renderer.setSize(this.width, this.height, false);
+  }
+
+  dispose(): void {
+    this.renderer.dispose();
+  }
+}
+
+function is_software(renderer: THREE.WebGLRenderer): boolean {
+  const gl = renderer.getContext();
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? String(gl.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
