@@ -121,7 +121,7 @@ class Work {
     f.require("motion", "a motion's id");
     f.require("start", "the time in seconds at which it starts");
     ScenarioClip clip;
-    clip.length = -1;
+    clip.length = 1;
     read_clip(f, clip);
     if (!c || !problems_.empty()) return {};
     settle_id(clip.id, 'k');

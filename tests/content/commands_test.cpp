@@ -1,0 +1,193 @@
+#include "ugoki/content/commands.h"
+
+#include <gtest/gtest.h>
+
+#include "fixture.h"
+#include "random_commands.h"
+#include "ugoki/content/delta.h"
+
+namespace ugoki::content {
+namespace {
+
+using testing::make_resources;
+using testing::make_scenario;
+
+class CommandsTest : public ::testing::Test {
+ protected:
+  /// Applies to the document and expects success.
+  std::string good(const std::string& command) {
+    auto effect = apply_command(document, command, catalogue, next_id);
+    EXPECT_TRUE(effect) << command << "\n" << (effect ? "" : effect.error().text());
+    if (!effect) return {};
+    document = std::move(effect->scenario);
+    created = std::move(effect->created);
+    return effect->label;
+  }
+  /// Expects refusal and the document untouched.
+  void bad(const std::string& command, ErrorCode code, const std::string& place) {
+    const std::uint64_t before = next_id;
+    const auto effect = apply_command(document, command, catalogue, next_id);
+    ASSERT_FALSE(effect) << command;
+    const Problem& p = effect.error().problems.front();
+    EXPECT_EQ(p.code, code) << p.text();
+    EXPECT_EQ(p.place, place) << p.text();
+    EXPECT_FALSE(p.remedy.empty()) << p.text();
+    EXPECT_EQ(next_id, before);
+  }
+  const ScenarioClip* clip(const std::string& id) {
+    for (const auto& c : document.characters)
+      for (const auto& k : c.track)
+        if (k.id == id) return &k;
+    return nullptr;
+  }
+
+  Resources resources = make_resources();
+  Catalogue catalogue = catalogue_of(resources);
+  Scenario document = make_scenario();
+  std::uint64_t next_id = 1;
+  std::vector<std::string> created;
+};
+
+TEST_F(CommandsTest, AddsClips) {
+  EXPECT_EQ(good(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.5})"), "Add clip");
+  ASSERT_EQ(created.size(), 1u);
+  const ScenarioClip* k = clip(created[0]);
+  ASSERT_NE(k, nullptr);
+  EXPECT_DOUBLE_EQ(k->length, 2);  // the motion's own
+  EXPECT_EQ(document.characters[0].track.back().id, created[0]);
+  good(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 7, "speed": 0.5, "offset": 1})");
+  EXPECT_DOUBLE_EQ(clip(created[0])->length, 2);
+}
+
+TEST_F(CommandsTest, IdsAreNeverUsedTwice) {
+  good(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.5, "id": "k7"})");
+  good(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.7})");
+  const std::string id = created[0];
+  EXPECT_EQ(id, "k8");
+  good(R"({"type": "clip.remove", "character": "human", "id": ")" + id + "\"}");
+  good(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.7})");
+  EXPECT_NE(created[0], id);
+}
+
+TEST_F(CommandsTest, MovesTrimsStretchesSlips) {
+  EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "start": 0.25})"), "Move clip");
+  EXPECT_DOUBLE_EQ(clip("k1")->start, 0.25);
+  EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "length": 1})"), "Trim clip");
+  EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "offset": 0.5})"), "Slip clip");
+  EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "speed": 1.25, "length": 0.8})"), "Stretch clip");
+  EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k1", "start": 4.5})"), "Move clip");
+  EXPECT_EQ(document.characters[0].track[1].id, "k1") << "clips are kept in order";
+  EXPECT_EQ(good(R"({"type": "clip.set", "character": "human", "id": "k2", "loop": false, "length": 1})"), "Stop looping clip");
+}
+
+TEST_F(CommandsTest, SplitsClips) {
+  EXPECT_EQ(good(R"({"type": "clip.split", "character": "human", "id": "k3", "time": 5.4})"), "Split clip");
+  EXPECT_NEAR(clip("k3")->length, 0.4, 1e-12);
+  const ScenarioClip* second = clip(created[0]);
+  ASSERT_NE(second, nullptr);
+  EXPECT_DOUBLE_EQ(second->start, 5.4);
+  EXPECT_NEAR(second->length, 0.6, 1e-12);
+  EXPECT_NEAR(second->offset, 0.5 + 0.4 * 1.5, 1e-12);
+  EXPECT_EQ(second->blend, 0);
+  good(R"({"type": "clip.split", "character": "human", "id": "k2", "time": 4.25})");
+  EXPECT_NEAR(clip(created[0])->offset, 0.25, 1e-12) << "within one round of the loop";
+  bad(R"({"type": "clip.split", "character": "human", "id": "k1", "time": 2})", ErrorCode::range, "command/time");
+}
+
+TEST_F(CommandsTest, EditsCharacters) {
+  EXPECT_EQ(good(R"({"type": "character.add", "mechanism": "m-ball", "place": {"x": 1}, "control": {"mode": "passive"}})"), "Add character");
+  EXPECT_EQ(document.characters.back().name, "ball");
+  EXPECT_EQ(document.characters.back().place.x, 1);
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "place": {"y": 5}})"), "Place character");
+  EXPECT_EQ(document.characters[0].place, (ScenarioPlace{1, 5, 0, 90})) << "objects are merged";
+  EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "name": "Ann"})"), "Rename character");
+  EXPECT_EQ(good(R"({"type": "character.remove", "id": "human"})"), "Remove character");
+  EXPECT_EQ(document.events.size(), 1u) << "its events go with it";
+  EXPECT_TRUE(document.camera.follow.empty());
+}
+
+TEST_F(CommandsTest, EditsEvents) {
+  EXPECT_EQ(good(R"({"type": "event.add", "event": {"type": "push", "time": 1, "character": "human", "link": "pelvis", "force": [0, 100, 0]}})"), "Add push");
+  EXPECT_EQ(document.events.front().id, created[0]);
+  EXPECT_EQ(good(R"({"type": "event.set", "id": "e2", "event": {"time": 0.5}})"), "Move throw");
+  EXPECT_EQ(document.events.front().id, "e2");
+  EXPECT_EQ(good(R"({"type": "event.set", "id": "e1", "event": {"force": [1, 2, 3]}})"), "Change push");
+  EXPECT_EQ(good(R"({"type": "event.remove", "id": "e1"})"), "Remove push");
+  bad(R"({"type": "event.set", "id": "e2", "event": {"type": "push"}})", ErrorCode::structure, "command/event/type");
+  bad(R"({"type": "event.add", "event": {"type": "push", "time": 1}})", ErrorCode::structure, "command/event/character");
+}
+
+TEST_F(CommandsTest, EditsSettingsAndCircuit) {
+  EXPECT_EQ(good(R"({"type": "scenario.set", "duration": 12, "ground": {"friction": 0.4}})"), "Set duration");
+  EXPECT_EQ(document.ground.friction, 0.4);
+  EXPECT_EQ(document.ground.height, 0);
+  EXPECT_EQ(good(R"({"type": "circuit.set", "circuit": {"version": 1, "name": "mine"}})"), "Change circuit");
+  EXPECT_EQ(document.circuit, R"({"version":1,"name":"mine"})");
+  EXPECT_EQ(good(R"({"type": "circuit.set", "circuit": null})"), "Use default circuit");
+  EXPECT_TRUE(document.circuit.empty());
+}
+
+TEST_F(CommandsTest, GroupsAreOneEdit) {
+  EXPECT_EQ(good(R"({"type": "group", "label": "Duplicate clip", "commands": [
+    {"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.5},
+    {"type": "clip.set", "character": "human", "id": "k1", "start": 0.1}]})"),
+            "Duplicate clip");
+  const Scenario before = document;
+  bad(R"({"type": "group", "label": "x", "commands": [{"type": "clip.remove", "character": "human", "id": "k1"}, {"type": "clip.remove", "character": "human", "id": "none"}]})",
+      ErrorCode::unknown, "command/commands/1/id");
+  EXPECT_EQ(document, before);
+}
+
+TEST_F(CommandsTest, RefusesWhatDoesNotFit) {
+  bad("", ErrorCode::syntax, "command:1");
+  bad("[]", ErrorCode::syntax, "command");
+  bad("{}", ErrorCode::structure, "command/type");
+  bad(R"({"type": "clip.fly"})", ErrorCode::unsupported, "command/type");
+  bad(R"({"type": "clip.set", "character": "human", "id": "k1", "stretch": 2})", ErrorCode::unknown, "command/stretch");
+  bad(R"({"type": "clip.set", "character": "nobody", "id": "k1"})", ErrorCode::unknown, "command/character");
+  bad(R"({"type": "clip.set", "character": "human", "id": "k77"})", ErrorCode::unknown, "command/id");
+  bad(R"({"type": "clip.set", "character": "human", "id": "k1", "length": 60})", ErrorCode::range, "scenario/characters/0/track/0/length");
+  bad(R"({"type": "clip.add", "character": "human", "motion": "n-none", "start": 0.5})", ErrorCode::unknown, "scenario/characters/0/track/1/motion");
+  bad(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 0})", ErrorCode::structure, "scenario/characters/0/track/1/start");
+  bad(R"({"type": "character.add", "mechanism": 5})", ErrorCode::syntax, "command/mechanism");
+  bad(R"({"type": "circuit.set", "circuit": "default"})", ErrorCode::syntax, "command/circuit");
+  bad(R"({"type": "scenario.set", "frame_rate": 17})", ErrorCode::range, "scenario/frame_rate");
+  bad(R"({"type": "group", "commands": {"type": "clip.remove"}})", ErrorCode::syntax, "command/commands");
+  bad(std::string(200, '{'), ErrorCode::range, "command");
+}
+
+TEST_F(CommandsTest, NamesTheResourcesItBringsIn) {
+  EXPECT_EQ(resources_named(R"({"type": "group", "commands": [{"type": "clip.add", "motion": "n-1"}, {"type": "character.add", "mechanism": "m-2"}]})"),
+            (std::vector<std::string>{"n-1", "m-2"}));
+  EXPECT_TRUE(resources_named("nonsense").empty());
+}
+
+TEST_F(CommandsTest, DeltasLeadBothWaysThroughRandomEdits) {
+  constexpr unsigned seed = 4711;
+  SCOPED_TRACE(seed);
+  testing::RandomCommands random(seed);
+  int accepted = 0;
+  for (int i = 0; i < 400; ++i) {
+    const auto effect = apply_command(document, random.next(document), catalogue, next_id);
+    if (!effect) continue;
+    ++accepted;
+    if (effect->scenario == document) continue;
+    const auto before = parse_json(write_scenario(document), "before"), after = parse_json(write_scenario(effect->scenario), "after");
+    ASSERT_TRUE(before && after);
+    EXPECT_EQ(apply_delta(*before, make_delta(*before, *after))->dump(), after->dump());
+    EXPECT_EQ(apply_delta(*after, make_delta(*after, *before))->dump(), before->dump());
+    document = effect->scenario;
+  }
+  EXPECT_GT(accepted, 200);
+}
+
+TEST(Delta, RefusesWhatDoesNotFit) {
+  const Json target = {{"a", 1}, {"list", {1, 2, 3}}};
+  for (const char* text : {"{}", "[]", "3", R"({"x": 1})", R"({"o": {"b": {"v": 1}}})", R"({"o": []})", R"({"a": [[0, {"v": 1}]]})", R"({"o": {"list": {"a": [[3, {"v": 1}]]}}})",
+                           R"({"o": {"list": {"s": [2, 2, []]}}})", R"({"o": {"list": {"s": [-1, 0, []]}}})", R"({"o": {"list": {"s": [0, 18446744073709551615, []]}}})",
+                           R"({"o": {"list": {"a": [[0]]}}})"})
+    EXPECT_FALSE(apply_delta(target, *parse_json(text, "delta"))) << text;
+}
+
+}  // namespace
+}  // namespace ugoki::content

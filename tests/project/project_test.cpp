@@ -1,0 +1,266 @@
+#include "ugoki/project/project.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "project_fixture.h"
+#include "random_commands.h"
+#include "ugoki/formats/motion_binary.h"
+
+namespace ugoki::project {
+namespace {
+
+namespace fs = std::filesystem;
+using content::testing::make_resources;
+using content::testing::make_scenario;
+
+class ProjectTest : public ProjectFixture {};
+
+TEST_F(ProjectTest, CreatesOpensAndKeeps) {
+  {
+    const Project project = make();
+    EXPECT_EQ(project.scenario(), make_scenario());
+    EXPECT_FALSE(project.unsaved());
+    EXPECT_FALSE(project.can_undo());
+  }
+  const auto project = Project::open(path_);
+  ASSERT_TRUE(project) << project.error().text();
+  EXPECT_EQ(project->scenario(), make_scenario());
+  EXPECT_EQ(project->resources().motions.at("n-walk")->q, make_resources().motions.at("n-walk")->q);
+  EXPECT_TRUE(project->generate());
+  EXPECT_FALSE(Project::create(path_, make_scenario(), make_resources())) << "the file exists";
+}
+
+TEST_F(ProjectTest, RefusesToCreateWhatDoesNotFit) {
+  EXPECT_FALSE(Project::create(path_, make_scenario(), {}));
+  EXPECT_FALSE(fs::exists(path_));
+  EXPECT_FALSE(Project::create(folder_ + "/no/such/folder.ugoki", content::Scenario()));
+}
+
+TEST_F(ProjectTest, CommandsUndoRedoAcrossRestarts) {
+  std::string moved;
+  {
+    Project project = make();
+    ASSERT_TRUE(project.execute(move_clip(4.5)));
+    const auto change = project.execute(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 6.2})");
+    ASSERT_TRUE(change) << change.error().text();
+    EXPECT_EQ(change->label, "Add clip");
+    EXPECT_EQ(change->created.size(), 1u);
+    EXPECT_TRUE(project.unsaved());
+    EXPECT_EQ(project.undo_label(), "Add clip");
+    EXPECT_EQ(project.revision(), 2u);
+  }
+  {
+    auto project = Project::open(path_);
+    ASSERT_TRUE(project);
+    EXPECT_TRUE(project->unsaved());
+    EXPECT_EQ(project->undo_label(), "Add clip");
+    EXPECT_EQ(*project->undo(), "Add clip");
+    EXPECT_EQ(project->redo_label(), "Add clip");
+    moved = project->document();
+  }
+  auto project = Project::open(path_);
+  ASSERT_TRUE(project);
+  EXPECT_EQ(project->document(), moved);
+  EXPECT_TRUE(project->can_redo());
+  ASSERT_TRUE(project->undo());
+  EXPECT_EQ(project->scenario(), make_scenario());
+  EXPECT_FALSE(project->unsaved()) << "back at what was saved";
+  EXPECT_FALSE(project->undo());
+  ASSERT_TRUE(project->redo());
+  EXPECT_EQ(project->document(), moved);
+  ASSERT_TRUE(project->execute(move_clip(4.7)));
+  EXPECT_FALSE(project->can_redo()) << "a new command ends what could be redone";
+}
+
+TEST_F(ProjectTest, CommandsThatChangeNothingAreNoSteps) {
+  Project project = make();
+  const auto change = project.execute(move_clip(5));
+  ASSERT_TRUE(change) << change.error().text();
+  EXPECT_TRUE(change->label.empty());
+  EXPECT_FALSE(project.can_undo());
+  EXPECT_EQ(project.revision(), 0u);
+}
+
+TEST_F(ProjectTest, RefusedCommandsChangeNothing) {
+  Project project = make();
+  const std::string before = project.document();
+  EXPECT_FALSE(project.execute(move_clip(0)));
+  EXPECT_FALSE(project.execute("not JSON"));
+  EXPECT_EQ(project.document(), before);
+  EXPECT_FALSE(project.can_undo());
+}
+
+TEST_F(ProjectTest, RandomEditsUndoneAreTheBeginningRedoneTheEnd) {
+  constexpr unsigned seed = 1999;
+  SCOPED_TRACE(seed);
+  content::testing::RandomCommands random(seed);
+  Project project = make();
+  const std::string initial = project.document();
+  std::vector<std::string> states = {initial};
+  while (states.size() < 40) {
+    const auto change = project.execute(random.next(project.scenario()));
+    if (change && !change->label.empty()) states.push_back(project.document());
+    if (change && random.pick(6) == 0 && project.can_undo()) {
+      ASSERT_TRUE(project.undo());
+      states.pop_back();
+      EXPECT_EQ(project.document(), states.back());
+    }
+  }
+  const std::string final_state = project.document();
+  for (std::size_t i = states.size() - 1; i-- > 0;) {
+    ASSERT_TRUE(project.undo());
+    ASSERT_EQ(project.document(), states[i]) << "after undoing to state " << i;
+  }
+  EXPECT_FALSE(project.can_undo());
+  EXPECT_EQ(project.document(), initial);
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    ASSERT_TRUE(project.redo());
+    ASSERT_EQ(project.document(), states[i]) << "after redoing to state " << i;
+  }
+  EXPECT_EQ(project.document(), final_state);
+}
+
+TEST_F(ProjectTest, SavesAndSavesAs) {
+  const std::string other = folder_ + "/copy.ugoki";
+  Project project = make();
+  ASSERT_TRUE(project.execute(move_clip(4.5)));
+  ASSERT_TRUE(project.save());
+  EXPECT_FALSE(project.unsaved());
+  ASSERT_TRUE(project.execute(move_clip(4.6)));
+  const std::string document = project.document();
+  const auto saved = project.save_as(other);
+  ASSERT_TRUE(saved) << saved.error().text();
+  EXPECT_EQ(project.path(), other);
+  EXPECT_FALSE(project.unsaved());
+  EXPECT_EQ(project.document(), document);
+  EXPECT_TRUE(project.can_undo()) << "the history comes along";
+  auto old = Project::open(path_);
+  ASSERT_TRUE(old) << "the old file is free again: " << old.error().text();
+  EXPECT_EQ(old->document(), document) << "and keeps what it had";
+  EXPECT_TRUE(old->unsaved());
+  EXPECT_FALSE(old->save_as(other)) << "open elsewhere";
+  write(folder_ + "/taken.ugoki", "something");
+  EXPECT_FALSE(old->save_as(folder_ + "/taken.ugoki"));
+  EXPECT_EQ(read(folder_ + "/taken.ugoki"), "something");
+  ASSERT_TRUE(old->save_as(folder_ + "/taken.ugoki", true));
+  EXPECT_EQ(old->document(), document);
+  EXPECT_FALSE(old->save_as(folder_ + "/no/folder/x.ugoki"));
+  EXPECT_EQ(old->path(), folder_ + "/taken.ugoki");
+}
+
+TEST_F(ProjectTest, OneFileIsAllThereIsAfterClosing) {
+  {
+    Project project = make();
+    ASSERT_TRUE(project.execute(move_clip(4.5)));
+  }
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
+  EXPECT_EQ(names, std::vector<std::string>{"park.ugoki"});
+}
+
+TEST_F(ProjectTest, OpenTwiceIsAConflictThatNamesTheHolder) {
+  const Project project = make();
+  const auto again = Project::open(path_);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().problems.front().code, ErrorCode::conflict);
+  EXPECT_NE(again.error().text().find(std::to_string(::getpid())), std::string::npos) << again.error().text();
+  fs::create_symlink(path_, folder_ + "/alias.ugoki");
+  EXPECT_FALSE(Project::open(folder_ + "/alias.ugoki")) << "another name of the same file";
+  auto looking = Project::open_read_only(path_);
+  ASSERT_TRUE(looking) << looking.error().text();
+  EXPECT_EQ(looking->document(), project.document());
+  EXPECT_FALSE(looking->execute(move_clip(4.5)));
+  EXPECT_FALSE(looking->save());
+}
+
+TEST_F(ProjectTest, FetchesFromTheLibraryWhatACommandNames) {
+  auto library = store::Library::open(folder_ + "/library.db");
+  ASSERT_TRUE(library);
+  Motion motion = content::testing::make_walk("turn", 3, 1, 1.5, false);
+  const std::vector<store::LibraryItem> items = {{store::EntryKind::motion, "turn", "{}", {}, formats::write_motion(motion)}};
+  const std::string id = library->put(items)->front();
+  const std::string command = R"({"type": "clip.add", "character": "human", "motion": ")" + id + R"(", "start": 6.5})";
+  Project project = make();
+  EXPECT_FALSE(project.execute(command)) << "without the library nobody has it";
+  const auto change = project.execute(command, &*library);
+  ASSERT_TRUE(change) << change.error().text();
+  EXPECT_EQ(project.resources().motions.at(id)->q, motion.q);
+  ASSERT_TRUE(project.undo());
+  ASSERT_TRUE(project.redo()) << "it stays in the project";
+  const std::vector<store::LibraryItem> foreign = {{store::EntryKind::measured, "raw", "{}", {}, {std::byte(1)}}};
+  const std::string measured = library->put(foreign)->front();
+  EXPECT_FALSE(project.execute(R"({"type": "clip.add", "character": "human", "motion": ")" + measured + R"(", "start": 7})", &*library));
+}
+
+/// Commands in a child that is killed at a random moment; each acknowledged one must be there afterwards.
+TEST_F(ProjectTest, KilledEditorLosesNothingAcknowledged) {
+  { const Project project = make(); }
+  std::string last;
+  for (int round = 0; round < 6; ++round) {
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      auto project = Project::open(path_);
+      content::testing::RandomCommands random(static_cast<unsigned>(round));
+      for (int i = 0; project; ++i) {
+        if (i % 5 == 4)
+          (void)project->undo();
+        else if (i % 11 == 10)
+          (void)project->save();
+        else
+          (void)project->execute(random.next(project->scenario()));
+        const std::string& document = project->document();
+        const std::uint64_t size = document.size();
+        if (::write(ends[1], &size, sizeof size) != sizeof size || ::write(ends[1], document.data(), size) != static_cast<ssize_t>(size)) break;
+      }
+      ::_exit(0);
+    }
+    ::close(ends[1]);
+    std::vector<std::string> acknowledged;
+    const auto receive = [&] {
+      std::uint64_t size = 0;
+      if (::read(ends[0], &size, sizeof size) != sizeof size) return false;
+      std::string document(size, '\0');
+      for (std::size_t got = 0; got < size;) {
+        const ssize_t n = ::read(ends[0], document.data() + got, size - got);
+        if (n <= 0) return false;
+        got += static_cast<std::size_t>(n);
+      }
+      acknowledged.push_back(std::move(document));
+      return true;
+    };
+    for (int i = 0; i < 3 + 3 * round && receive(); ++i) {
+    }
+    ::usleep(static_cast<useconds_t>(137 * round));
+    ::kill(child, SIGKILL);
+    while (receive()) {
+    }
+    ::close(ends[0]);
+    ::waitpid(child, nullptr, 0);
+    ASSERT_FALSE(acknowledged.empty());
+    auto project = Project::open(path_);
+    ASSERT_TRUE(project) << project.error().text();
+    // The last command may have reached the disk without its acknowledgement having reached us: then one undo or redo leads there.
+    bool found = project->document() == acknowledged.back();
+    if (!found && project->can_undo()) {
+      ASSERT_TRUE(project->undo());
+      found = project->document() == acknowledged.back();
+      ASSERT_TRUE(project->redo());
+    }
+    if (!found && project->can_redo()) {
+      ASSERT_TRUE(project->redo());
+      found = project->document() == acknowledged.back();
+    }
+    EXPECT_TRUE(found) << "round " << round;
+    while (project->can_undo()) ASSERT_TRUE(project->undo());
+    while (project->can_redo()) ASSERT_TRUE(project->redo());
+  }
+}
+
+}  // namespace
+}  // namespace ugoki::project
