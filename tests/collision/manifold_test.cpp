@@ -72,7 +72,9 @@ TEST(Manifold, ExchangedShapesHaveMirroredPoints) {
     ASSERT_EQ(m.count > 0, t.count > 0);
     if (m.count == 0) continue;
     EXPECT_NEAR(least(m), least(t), boxes ? 1e-4 * 0.5 : 1e-12);
-    if (!boxes) EXPECT_EQ(m.count, t.count) << "case " << i;
+    if (!boxes) {
+      EXPECT_EQ(m.count, t.count) << "case " << i;
+    }
   }
 }
 
@@ -180,7 +182,9 @@ TEST(Manifold, GroundLeastDistanceIsTrue) {
     Manifold m;
     find_ground_manifold(s, X * s.X_BS, -0.1, 0.2, m);
     EXPECT_EQ(m.count > 0, d < 0.2);
-    if (m.count > 0) EXPECT_NEAR(least(m), d, 1e-13);
+    if (m.count > 0) {
+      EXPECT_NEAR(least(m), d, 1e-13);
+    }
   }
 }
 

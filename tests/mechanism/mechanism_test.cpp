@@ -204,8 +204,8 @@ TEST_P(RefusedSpec, NamesTheLinkAtFault) {
   EXPECT_TRUE(found) << made.error().text();
 }
 
-INSTANTIATE_TEST_SUITE_P(Mechanism, RefusedSpec, testing::ValuesIn(spoiled_specs), [](const auto& info) {
-  std::string name = info.param.what;
+INSTANTIATE_TEST_SUITE_P(Mechanism, RefusedSpec, testing::ValuesIn(spoiled_specs), [](const auto& p) {
+  std::string name = p.param.what;
   for (char& c : name)
     if (c == ' ') c = '_';
   return name;
