@@ -1,0 +1,66 @@
+// Whole steps of 2 ms: collision analysis, collision force, dynamics.
+
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <vector>
+
+#include "figure.h"
+#include "ugoki/collision/scene.h"
+#include "ugoki/contact/stepper.h"
+
+namespace ugoki::benchmarks {
+namespace {
+
+constexpr double dt = 0.002;
+
+/// The figure over the ground, held in its pose by servos or limp.
+struct World {
+  MechanismPtr figure = make_figure();
+  State state = standing_state(*figure);
+  collision::Scene scene{{figure}, collision::Ground{}};
+  collision::Workspace workspace{scene};
+  contact::Stepper stepper{{figure}, contact::StepperOptions{}};
+  std::vector<Pose> poses = std::vector<Pose>(static_cast<std::size_t>(figure->link_count()));
+  std::vector<collision::ContactPoint> contacts;
+  std::vector<double> gain, rest = std::vector<double>(state.v.size());
+  std::size_t contact_count = 0;
+
+  explicit World(double stiffness) : gain(state.v.size(), stiffness) {
+    std::fill_n(gain.begin(), 6, 0.0);
+    contacts.reserve(256);
+  }
+
+  bool step() {
+    calc_poses(*figure, state.q, poses);
+    const std::array<std::span<const Pose>, 1> all = {poses};
+    collision::find_contacts(scene, all, 0.02, workspace, contacts);
+    contact_count += contacts.size();
+    std::array<contact::StepSystem, 1> systems = {{{state.q, state.v, state.tau, {}, gain, rest}}};
+    return stepper.step(systems, contacts, dt).status == contact::StepStatus::ok;
+  }
+};
+
+/// From the standing pose, one second a time: with stiff joints it stands, with limp ones it falls and comes to lie.
+void one_second(benchmark::State& run, double stiffness, double lowest_pelvis, double highest_pelvis) {
+  World world(stiffness);
+  const State begin = world.state;
+  std::size_t steps = 0;
+  bool ok = true;
+  for (auto _ : run) {
+    world.state = begin;
+    for (int i = 0; i < 500; ++i) ok = ok && world.step();
+    steps += 500;
+    ok = ok && world.state.q[2] > lowest_pelvis && world.state.q[2] < highest_pelvis;
+  }
+  if (!ok) run.SkipWithError("the figure is not where it should be");
+  const auto count = static_cast<double>(steps);
+  run.counters["step"] = benchmark::Counter(count, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  run.counters["faster_than_real_time"] = benchmark::Counter(count * dt, benchmark::Counter::kIsRate);
+  run.counters["contacts"] = static_cast<double>(world.contact_count) / count;
+}
+BENCHMARK_CAPTURE(one_second, stands, 500.0, 0.9, 1.0)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(one_second, collapses, 0.0, 0.0, 0.7)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace ugoki::benchmarks
