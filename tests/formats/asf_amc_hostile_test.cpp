@@ -151,6 +151,14 @@ TEST(AmcHostile, EachFaultIsNamedInItsLine) {
   for (const Case& c : cases) expect_refused_at(read_motion(c.text), c.line, c.what);
 }
 
+TEST(AmcHostile, FramesOutOfOrderAreCalledSo) {
+  for (const char* number : {"0", "1"}) {
+    const auto result = read_motion(amc_with("2\nroot", std::string(number) + "\nroot"));
+    expect_refused_at(result, 8, number);
+    EXPECT_NE(result.error().problems[0].message.find("follows frame 1"), std::string::npos) << result.error().text();
+  }
+}
+
 TEST(AsfHostile, CutOffAnywhere) {
   for (std::size_t n = 0; n + 1 < good_asf.size(); ++n)
     expect_refused(read(good_asf.substr(0, n)), "cut after " + std::to_string(n) + " bytes");

@@ -119,6 +119,12 @@ TEST(BvhHostile, EachFaultIsNamedInItsLine) {
   for (const Case& c : cases) expect_refused_at(read(c.text), c.line, c.what);
 }
 
+TEST(BvhHostile, APromiseLargerThanTheTextIsRefusedBeforeMemoryIsTaken) {
+  const auto result = read(with("Frames: 2", "Frames: 40000000"));  // 360 million numbers
+  expect_refused_at(result, 18, "40 million frames");
+  EXPECT_NE(result.error().problems[0].message.find("ends long before"), std::string::npos) << result.error().text();
+}
+
 TEST(BvhHostile, CutOffAnywhere) {
   // At every byte: either refused in a line, or the last token only lost digits and is still a whole file.
   int refused = 0;
