@@ -1,0 +1,166 @@
+#include "ugoki/intake/intake.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "ugoki/base/number.h"
+#include "ugoki/formats/bvh.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+
+namespace ugoki::intake {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::vector<std::byte> bytes_of(std::string_view text) {
+  const auto* p = reinterpret_cast<const std::byte*>(text.data());
+  return {p, p + text.size()};
+}
+
+std::string_view base_name(std::string_view path) { return path.substr(path.find_last_of("/\\") + 1); }
+
+std::string stem_of(std::string_view path) {
+  const std::string_view base = base_name(path);
+  const std::size_t dot = base.rfind('.');
+  return std::string(dot == std::string_view::npos || dot == 0 ? base : base.substr(0, dot));
+}
+
+/// Same structure under another name.
+Result<MechanismPtr> renamed(const Mechanism& mechanism, const std::string& name) {
+  MechanismSpec spec = mechanism.spec();
+  spec.name = name;
+  return Mechanism::make(std::move(spec));
+}
+
+Json mechanism_summary(const Mechanism& mechanism, const std::string& source) {
+  return {{"freedoms", mechanism.nv()}, {"links", mechanism.link_count()}, {"mass", mechanism.mass()}, {"source", source}};
+}
+
+Result<Intake> from_measured(MeasuredMotion measured, formats::ReadNotes notes, std::string_view file_name, const IntakeOptions& options) {
+  Intake out;
+  out.source = std::string(base_name(file_name));
+  if (!options.name.empty()) measured.name = options.name;
+  if (measured.name.empty()) measured.name = out.source;
+  out.metres_per_unit = notes.metres_per_unit;
+  if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
+  out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
+
+  body::BodyOptions body_options;
+  body_options.height = options.height;
+  body_options.mass = options.mass;
+  Result<body::Body> body = body::make_body(measured, body_options);
+  if (!body) {
+    for (Problem& p : body.error().problems)
+      if (!p.place.starts_with(file_name)) p.place = std::string(file_name) + (p.place.empty() ? "" : ", " + p.place);
+    return fail(std::move(body.error()));
+  }
+  Result<MechanismPtr> mechanism = renamed(*body->mechanism, measured.name);
+  if (!mechanism) return fail(std::move(mechanism.error()));
+  body->mechanism = *mechanism;
+  out.report.insert(out.report.end(), body->report.begin(), body->report.end());
+  Motion motion = body::to_motion(*body, measured);
+  motion.name = measured.name;
+  motion.source = out.source;
+  motion.mechanism = body->mechanism->name();
+  if (Error wrong = check_motion(motion, *body->mechanism); !wrong.empty()) return fail(std::move(wrong));
+
+  store::LibraryItem mechanism_item{store::EntryKind::mechanism, measured.name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
+  Json summary = mechanism_summary(*body->mechanism, out.source);
+  summary["height"] = body->height;
+  summary["human"] = body->human;
+  mechanism_item.summary = text_of(summary);
+
+  store::LibraryItem measured_item{store::EntryKind::measured, measured.name, {}, options.tags, formats::write_measured_motion(measured)};
+  measured_item.summary = text_of({{"frames", measured.frames}, {"joints", measured.joint_count()}, {"rate", measured.rate}, {"duration", measured.duration()}, {"source", out.source}});
+
+  store::LibraryItem motion_item{store::EntryKind::motion, measured.name, {}, options.tags, formats::write_motion(motion)};
+  motion_item.summary = text_of({{"mechanism", store::entry_id(store::EntryKind::mechanism, mechanism_item.data)},
+                                 {"measured", store::entry_id(store::EntryKind::measured, measured_item.data)},
+                                 {"frames", motion.frames},
+                                 {"joints", measured.joint_count()},
+                                 {"rate", motion.rate},
+                                 {"duration", motion.duration()},
+                                 {"cyclic", motion.cyclic},
+                                 {"freedoms", body->mechanism->nv()},
+                                 {"mass", body->mass},
+                                 {"height", body->height},
+                                 {"source", out.source}});
+  out.items = {std::move(mechanism_item), std::move(measured_item), std::move(motion_item)};
+  out.mechanism = body->mechanism;
+  out.measured = std::move(measured);
+  out.body = std::move(*body);
+  out.motion = std::move(motion);
+  return out;
+}
+
+Result<Intake> from_mechanism(std::string_view text, std::string_view file_name, const IntakeOptions& options) {
+  Result<MechanismPtr> mechanism = formats::read_mechanism(text, file_name);
+  if (!mechanism) return fail(std::move(mechanism.error()));
+  const std::string name = !options.name.empty() ? options.name : !(*mechanism)->name().empty() ? (*mechanism)->name() : stem_of(file_name);
+  if ((*mechanism)->name() != name) mechanism = renamed(**mechanism, name);
+  if (!mechanism) return fail(std::move(mechanism.error()));
+  Intake out;
+  out.source = std::string(base_name(file_name));
+  out.mechanism = std::move(*mechanism);
+  out.items = {{store::EntryKind::mechanism, name, text_of(mechanism_summary(*out.mechanism, out.source)), options.tags, bytes_of(formats::write_mechanism(*out.mechanism))}};
+  return out;
+}
+
+}  // namespace
+
+std::string Intake::id_of(store::EntryKind kind) const {
+  for (const store::LibraryItem& item : items)
+    if (item.kind == kind) return store::entry_id(kind, item.data);
+  return {};
+}
+
+std::optional<FileKind> file_kind(std::string_view file_name) {
+  std::string ending(file_name.substr(std::min(file_name.size(), file_name.rfind('.') + 1)));
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  if (ending == "bvh") return FileKind::bvh;
+  if (ending == "amc") return FileKind::amc;
+  if (ending == "asf") return FileKind::asf;
+  if (ending == "json") return FileKind::mechanism_json;
+  return std::nullopt;
+}
+
+std::string skeleton_name_for(std::string_view amc_name) {
+  const std::string stem = stem_of(amc_name);
+  const std::size_t underscore = stem.rfind('_');
+  return std::string(amc_name.substr(0, amc_name.size() - base_name(amc_name).size())) + stem.substr(0, underscore) + ".asf";
+}
+
+Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf, const IntakeOptions& options) {
+  const std::optional<FileKind> kind = file_kind(file_name);
+  const std::string place(file_name);
+  if (!kind) return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.", "Give a .bvh, .amc (with its .asf) or mechanism .json file.");
+  formats::ReadNotes notes;
+  switch (*kind) {
+    case FileKind::bvh: {
+      formats::BvhOptions bvh;
+      bvh.metres_per_unit = options.unit;
+      Result<MeasuredMotion> measured = formats::read_bvh(bytes, file_name, bvh, &notes);
+      if (!measured) return fail(std::move(measured.error()));
+      return from_measured(std::move(*measured), std::move(notes), file_name, options);
+    }
+    case FileKind::amc: {
+      if (!asf) return fail(ErrorCode::structure, place, "An AMC file needs its skeleton.", "Give the ASF file that belongs to it (" + skeleton_name_for(base_name(file_name)) + ").");
+      formats::AmcOptions amc;
+      amc.rate = options.rate;
+      Result<MeasuredMotion> measured = formats::read_amc(bytes, file_name, *asf, amc, &notes);
+      if (!measured) return fail(std::move(measured.error()));
+      return from_measured(std::move(*measured), std::move(notes), file_name, options);
+    }
+    case FileKind::asf:
+      return fail(ErrorCode::structure, place, "An ASF file holds a skeleton without motion.", "Import an AMC file that belongs to it.");
+    case FileKind::mechanism_json: return from_mechanism(bytes, file_name, options);
+  }
+  return fail(ErrorCode::unsupported, place, "This kind of file cannot be imported.", "Give a .bvh or .amc file.");
+}
+
+Result<std::vector<std::string>> put(store::Library& library, const Intake& intake) { return library.put(intake.items); }
+
+}  // namespace ugoki::intake

@@ -1,0 +1,57 @@
+#pragma once
+// From a file's bytes to library entries.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ugoki/base/result.h"
+#include "ugoki/body/body.h"
+#include "ugoki/formats/asf.h"
+#include "ugoki/motion/motion.h"
+#include "ugoki/motion/skeleton.h"
+#include "ugoki/store/library.h"
+
+namespace ugoki::intake {
+
+struct IntakeOptions {
+  std::string name;               ///< of the entries; empty: the file's name without ending
+  std::vector<std::string> tags;
+  double height = 0;              ///< m, of the person; 0: estimated
+  double mass = 0;                ///< kg, of the person; 0: estimated
+  double unit = 0;                ///< m per unit of length of the file; 0: guessed (BVH) or as the format says (ASF)
+  double rate = 120;              ///< frames a second of AMC files, which do not tell
+};
+
+/// A file, taken in but not yet stored.
+struct Intake {
+  std::string source;                     ///< the file's name
+  std::optional<MeasuredMotion> measured; ///< BVH, AMC
+  std::optional<body::Body> body;         ///< BVH, AMC
+  std::optional<Motion> motion;           ///< BVH, AMC
+  MechanismPtr mechanism;                 ///< the body's, or the file's
+  double metres_per_unit = 0;             ///< unit of length that was used; 0: the file has none
+  std::vector<std::string> report;        ///< sentences for people
+  std::vector<store::LibraryItem> items;  ///< what goes into the library: mechanism first, then measured, motion
+  /// Id that the items will have. Empty if there is no item of this kind.
+  [[nodiscard]] std::string id_of(store::EntryKind kind) const;
+};
+
+enum class FileKind { bvh, amc, asf, mechanism_json };
+/// By the ending of the name, in any case.
+[[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
+
+/// Name of the skeleton file that goes with an AMC file: "12_01.amc" -> "12.asf"; without underscore "x.amc" -> "x.asf".
+[[nodiscard]] std::string skeleton_name_for(std::string_view amc_name);
+
+/// Reads the file and makes everything that will be stored.
+/// @param file_name decides the kind and stands in the place of every problem
+/// @param asf the skeleton, for AMC files; may be null otherwise
+[[nodiscard]] Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf = nullptr, const IntakeOptions& options = {});
+
+/// Puts all items in or none.
+/// @return ids in the order of the items
+[[nodiscard]] Result<std::vector<std::string>> put(store::Library& library, const Intake& intake);
+
+}  // namespace ugoki::intake
