@@ -32,8 +32,8 @@ TEST(Number, ParsesTheWholeText) {
 }
 
 TEST(Number, RefusesWhatIsNotOneFiniteNumber) {
-  for (const char* text : {"", " ", " 1", "1 ", "1.2.3", "1,5", "--1", "e5", "1e", "nan", "inf", "-inf", "infinity", "0x10", "1e999", "-1e999", "1d", "one", "+", ".",
-                           "1\t", "\xff", "1e+"})
+  for (const char* text : {"",         " ",    " 1",    "1 ",     "1.2.3", "1,5", "--1", "e5", "1e",  "nan",  "inf", "-inf",
+                           "infinity", "0x10", "1e999", "-1e999", "1d",    "one", "+",   ".",  "1\t", "\xff", "1e+"})
     EXPECT_EQ(parse_double(text), std::nullopt) << '"' << text << '"';
   EXPECT_EQ(parse_double(std::string_view("1\0 2", 4)), std::nullopt);
   EXPECT_EQ(parse_double(std::string(1000, '9')), std::nullopt);  // overflows
@@ -46,7 +46,8 @@ TEST(Number, Integers) {
   EXPECT_EQ(parse_long("-7"), -7);
   EXPECT_EQ(parse_long("+7"), 7);
   EXPECT_EQ(parse_long("9223372036854775807"), 9223372036854775807L);
-  for (const char* text : {"", "+", "-", "1.0", "1e3", " 1", "1 ", "9223372036854775808", "0x1", "+-1", "--1"}) EXPECT_EQ(parse_long(text), std::nullopt) << text;
+  for (const char* text : {"", "+", "-", "1.0", "1e3", " 1", "1 ", "9223372036854775808", "0x1", "+-1", "--1"})
+    EXPECT_EQ(parse_long(text), std::nullopt) << text;
 }
 
 TEST(Number, TextAndBackKeepsEveryBit) {

@@ -44,11 +44,11 @@ TEST(Distance, SphereSphere) {
 
 TEST(Distance, CapsuleCapsule) {
   const Shape capsule = Shape::capsule(0.1, {-1, 0, 0}, {1, 0, 0});
-  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(0, 0, 1)).d, 0.8, 1e-15);                                // parallel
-  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(3, 0, 0)).d, 0.8, 1e-15);                                // in line
+  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(0, 0, 1)).d, 0.8, 1e-15);                                 // parallel
+  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(3, 0, 0)).d, 0.8, 1e-15);                                 // in line
   EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, turned({0, 0, 1}, pi / 2, {0.3, 0.2, 0.5})).d, 0.3, 1e-15);  // crossing
   EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, turned({0, 0, 1}, pi / 2, {0, 0, 0.05})).d, -0.15, 1e-15);
-  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(3, 3, 4)).d, std::sqrt(26.0) - 0.2, 1e-14);              // ends
+  EXPECT_NEAR(nearest(capsule, at(0, 0, 0), capsule, at(3, 3, 4)).d, std::sqrt(26.0) - 0.2, 1e-14);  // ends
 }
 
 TEST(Distance, SphereBox) {
@@ -107,7 +107,8 @@ TEST(Distance, CertifiedAtRandomPoses) {
     const Shape a = random.shape(), b = random.shape();
     const Pose A = random.pose(0.6), B = random.pose(0.6);
     const Nearest r = nearest(a, A, b, B);
-    SCOPED_TRACE(testing::Message() << "seed " << test::seed << ", case " << i << ", types " << int(a.type) << " " << int(b.type) << " d " << r.d);
+    SCOPED_TRACE(testing::Message() << "seed " << test::seed << ", case " << i << ", types " << int(a.type) << " " << int(b.type) << " d "
+                                    << r.d);
     expect_certified(a, A, b, B, r);
     (r.d > 0 ? apart : together)++;
   }
@@ -169,14 +170,18 @@ TEST(Distance, DegeneratePosesHaveFiniteUnitNormals) {
   const Shape capsule = Shape::capsule(0.1, {0, 0, -0.4}, {0, 0, 0.4});
   const Shape point_capsule = Shape::capsule(0.1, {0.2, 0, 0}, {0.2, 0, 0});  // both caps on one point
   const Shape shapes[] = {ball, capsule, point_capsule, box};
-  const Pose poses[] = {{},                                        // coincident centres
-                        at(0, 0, 0.4),                             // centre on a cap
-                        at(0.3, 0, 0), at(0, 0.2, 0.1),            // centre on a face, on an edge
-                        at(0.3, 0.2, 0.1),                         // on a corner
-                        at(0.2, 0, 0), at(0.4, 0, 0), at(0.6, 0, 0), at(0, 0, 0.2),  // touching exactly
-                        turned({0, 0, 1}, 0.3, {}),                // parallel and turned
-                        turned({1, 0, 0}, pi / 2, {}),             // crossing
-                        turned({1, 0, 0}, 1e-9, {0, 0.4, 0}),      // parallel to rounding
+  const Pose poses[] = {{},             // coincident centres
+                        at(0, 0, 0.4),  // centre on a cap
+                        at(0.3, 0, 0),
+                        at(0, 0.2, 0.1),    // centre on a face, on an edge
+                        at(0.3, 0.2, 0.1),  // on a corner
+                        at(0.2, 0, 0),
+                        at(0.4, 0, 0),
+                        at(0.6, 0, 0),
+                        at(0, 0, 0.2),                         // touching exactly
+                        turned({0, 0, 1}, 0.3, {}),            // parallel and turned
+                        turned({1, 0, 0}, pi / 2, {}),         // crossing
+                        turned({1, 0, 0}, 1e-9, {0, 0.4, 0}),  // parallel to rounding
                         turned({1, 0, 0}, pi, {0, 0.01, 0})};
   for (const Shape& a : shapes) {
     for (const Shape& b : shapes) {

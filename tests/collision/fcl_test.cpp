@@ -70,7 +70,9 @@ TEST(Fcl, SameDistancesAndSigns) {
 
 #else
 
-TEST(Fcl, SameDistancesAndSigns) { GTEST_SKIP() << "The Flexible Collision Library (libfcl-dev) is not installed; it is only a second opinion."; }
+TEST(Fcl, SameDistancesAndSigns) {
+  GTEST_SKIP() << "The Flexible Collision Library (libfcl-dev) is not installed; it is only a second opinion.";
+}
 
 #endif
 

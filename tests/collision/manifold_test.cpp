@@ -38,7 +38,8 @@ TEST(Manifold, LeastDistanceIsTheTrueDistance) {
     const Manifold m = manifold(a, A, b, B, margin);
     SCOPED_TRACE(testing::Message() << "case " << i << ", types " << int(a.type) << " " << int(b.type) << ", distance " << d);
     const bool boxes = a.type == ShapeType::box && b.type == ShapeType::box;
-    const double smallest = std::min({a.half_extents.x, a.half_extents.y, a.half_extents.z, b.half_extents.x, b.half_extents.y, b.half_extents.z});
+    const double smallest =
+        std::min({a.half_extents.x, a.half_extents.y, a.half_extents.z, b.half_extents.x, b.half_extents.y, b.half_extents.z});
     const double tolerance = boxes ? 1e-4 * smallest : 1e-9;
     if (d < margin - tolerance) {
       ASSERT_GT(m.count, 0);
@@ -104,10 +105,10 @@ TEST(Manifold, CapsuleOnBox) {
       EXPECT_LT(norm(p.n - Vec3{0, 0, 1}), 1e-9);
     }
   };
-  expect_two(at(0, 0, 0.62), -0.5, 0.5, 0.02);    // above
-  expect_two(at(0, 0, 0.58), -0.5, 0.5, -0.02);   // pressed in
-  expect_two(at(0, 0, 0.45), -0.5, 0.5, -0.15);   // its axis inside
-  expect_two(at(0.8, 0, 0.58), 0.3, 1.0, -0.02);  // overhanging
+  expect_two(at(0, 0, 0.62), -0.5, 0.5, 0.02);                                             // above
+  expect_two(at(0, 0, 0.58), -0.5, 0.5, -0.02);                                            // pressed in
+  expect_two(at(0, 0, 0.45), -0.5, 0.5, -0.15);                                            // its axis inside
+  expect_two(at(0.8, 0, 0.58), 0.3, 1.0, -0.02);                                           // overhanging
   EXPECT_EQ(manifold(capsule, turned({0, 1, 0}, 1, {0, 0, 0.9}), box, {}, 0.2).count, 1);  // on one end
   // along an edge, pressed on it diagonally
   EXPECT_EQ(manifold(capsule, at(0, 1.05, 0.55), box, {}, 0.05).count, 2);
@@ -219,7 +220,8 @@ TEST(Manifold, SlidingBoxMovesItsPointsContinuously) {
 TEST(Manifold, DegeneratePosesGiveFinitePoints) {
   const Shape shapes[] = {Shape::sphere(0.2), Shape::capsule(0.1, {0, 0, -0.4}, {0, 0, 0.4}), Shape::capsule(0.1, {0.2, 0, 0}, {0.2, 0, 0}),
                           Shape::box({0.3, 0.2, 0.1})};
-  const Pose poses[] = {{}, at(0, 0, 0.4), at(0.3, 0.2, 0.1), at(0.6, 0, 0), at(0.6, 0.4, 0.2), turned({1, 0, 0}, pi / 2, {}), turned({1, 1, 1}, 1e-8, {})};
+  const Pose poses[] = {
+      {}, at(0, 0, 0.4), at(0.3, 0.2, 0.1), at(0.6, 0, 0), at(0.6, 0.4, 0.2), turned({1, 0, 0}, pi / 2, {}), turned({1, 1, 1}, 1e-8, {})};
   for (const Shape& a : shapes)
     for (const Shape& b : shapes)
       for (const Pose& X : poses) {

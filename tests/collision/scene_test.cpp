@@ -37,7 +37,9 @@ MechanismPtr make(MechanismSpec spec) {
   }
   return *m;
 }
-MechanismPtr body(const Shape& shape, JointType joint = JointType::floating) { return make({"body", {link("body", "", joint, {}, {shape})}}); }
+MechanismPtr body(const Shape& shape, JointType joint = JointType::floating) {
+  return make({"body", {link("body", "", joint, {}, {shape})}});
+}
 
 /// A figure of 31 links with capsules for limbs and boxes for feet, arms hanging: as dense in contacts as a human is.
 MechanismPtr figure() {
@@ -47,7 +49,8 @@ MechanismPtr figure() {
   const char* spine[] = {"spine1", "spine2", "chest", "neck", "head"};
   std::string parent = "pelvis";
   for (const char* name : spine) {
-    spec.links.push_back(link(name, parent.c_str(), JointType::spherical, at(0, 0, parent == "pelvis" ? 0.1 : 0.12), {Shape::sphere(0.09)}));
+    spec.links.push_back(
+        link(name, parent.c_str(), JointType::spherical, at(0, 0, parent == "pelvis" ? 0.1 : 0.12), {Shape::sphere(0.09)}));
     parent = name;
   }
   for (const bool left : {false, true}) {
@@ -165,7 +168,8 @@ std::set<std::pair<std::string, std::string>> pairs_of(const Scene& scene) {
   std::set<std::pair<std::string, std::string>> out;
   const Mechanism& m = *scene.systems()[0];
   for (const ShapePair& p : scene.self_pairs(0))
-    out.emplace(m.link(scene.shapes()[static_cast<std::size_t>(p.a)].link).name, m.link(scene.shapes()[static_cast<std::size_t>(p.b)].link).name);
+    out.emplace(m.link(scene.shapes()[static_cast<std::size_t>(p.a)].link).name,
+                m.link(scene.shapes()[static_cast<std::size_t>(p.b)].link).name);
   return out;
 }
 using Names = std::set<std::pair<std::string, std::string>>;
@@ -173,28 +177,33 @@ using Names = std::set<std::pair<std::string, std::string>>;
 TEST(Scene, SelfPairsLeaveOutNeighbours) {
   const Shape bead = Shape::sphere(0.1);
   // chain a - b - c - d, far apart
-  const Scene chain({make({"chain",
-                           {link("a", "", JointType::floating, {}, {bead}), link("b", "a", JointType::revolute, at(1, 0, 0), {bead}),
-                            link("c", "b", JointType::fixed, at(1, 0, 0), {bead}), link("d", "c", JointType::revolute, at(1, 0, 0), {bead})}})});
+  const Scene chain(
+      {make({"chain",
+             {link("a", "", JointType::floating, {}, {bead}), link("b", "a", JointType::revolute, at(1, 0, 0), {bead}),
+              link("c", "b", JointType::fixed, at(1, 0, 0), {bead}), link("d", "c", JointType::revolute, at(1, 0, 0), {bead})}})});
   EXPECT_EQ(pairs_of(chain), (Names{{"a", "d"}}));  // b and c are one body, a neighbour of both a and d
 
   // brothers hang at one point, or apart
   const auto brothers = [&](double apart) {
     return Scene({make({"brothers",
-                        {link("a", "", JointType::floating, {}, {bead}), link("b", "a", JointType::spherical, at(1, apart, 0), {Shape::sphere(0.1, at(0, 1, 0))}),
+                        {link("a", "", JointType::floating, {}, {bead}),
+                         link("b", "a", JointType::spherical, at(1, apart, 0), {Shape::sphere(0.1, at(0, 1, 0))}),
                          link("c", "a", JointType::spherical, at(1, 0, 0), {Shape::sphere(0.1, at(0, -1, 0))})}})});
   };
   EXPECT_EQ(pairs_of(brothers(0)), Names{});
   EXPECT_EQ(pairs_of(brothers(0.1)), (Names{{"b", "c"}}));
 
   // floating bodies of one mechanism share no joint, although both start at the origin
-  const Scene loose({make({"loose", {link("a", "", JointType::floating, {}, {Shape::sphere(0.1, at(1, 0, 0))}), link("b", "", JointType::floating, {}, {bead})}})});
+  const Scene loose({make(
+      {"loose",
+       {link("a", "", JointType::floating, {}, {Shape::sphere(0.1, at(1, 0, 0))}), link("b", "", JointType::floating, {}, {bead})}})});
   EXPECT_EQ(pairs_of(loose), (Names{{"a", "b"}}));
 
   // grandchildren that overlap in the neutral position
-  const Scene thick({make({"thick",
-                           {link("a", "", JointType::floating, {}, {Shape::sphere(0.5)}), link("b", "a", JointType::revolute, at(0.4, 0, 0), {bead}),
-                            link("c", "b", JointType::revolute, at(0.1, 0, 0), {bead}), link("d", "c", JointType::revolute, at(1, 0, 0), {bead})}})});
+  const Scene thick(
+      {make({"thick",
+             {link("a", "", JointType::floating, {}, {Shape::sphere(0.5)}), link("b", "a", JointType::revolute, at(0.4, 0, 0), {bead}),
+              link("c", "b", JointType::revolute, at(0.1, 0, 0), {bead}), link("d", "c", JointType::revolute, at(1, 0, 0), {bead})}})});
   EXPECT_EQ(pairs_of(thick), (Names{{"a", "d"}, {"b", "d"}}));
 }
 

@@ -24,9 +24,10 @@ LinkSpec link(const char* name, const char* parent, JointType type = JointType::
 
 /// A trunk with two arms, one of which carries a hand with a finger.
 MechanismSpec tree() {
-  return {"tree",
-          {link("trunk", "", JointType::floating), link("left", "trunk", JointType::spherical), link("right", "trunk", JointType::universal),
-           link("hand", "left"), link("plate", "hand", JointType::fixed), link("finger", "plate", JointType::cylindrical)}};
+  return {
+      "tree",
+      {link("trunk", "", JointType::floating), link("left", "trunk", JointType::spherical), link("right", "trunk", JointType::universal),
+       link("hand", "left"), link("plate", "hand", JointType::fixed), link("finger", "plate", JointType::cylindrical)}};
 }
 
 TEST(Mechanism, PointersOfTheTree) {
@@ -35,8 +36,8 @@ TEST(Mechanism, PointersOfTheTree) {
   const Mechanism& m = **made;
   EXPECT_EQ(m.name(), "tree");
   ASSERT_EQ(m.link_count(), 6);
-  const int trunk = m.find_link("trunk"), left = m.find_link("left"), right = m.find_link("right"), hand = m.find_link("hand"), finger = m.find_link("finger"),
-            plate = m.find_link("plate");
+  const int trunk = m.find_link("trunk"), left = m.find_link("left"), right = m.find_link("right"), hand = m.find_link("hand"),
+            finger = m.find_link("finger"), plate = m.find_link("plate");
   EXPECT_EQ(m.link(trunk).parent, -1);
   EXPECT_EQ(m.link(trunk).child, left);
   EXPECT_EQ(m.link(trunk).brother, -1);
@@ -151,38 +152,59 @@ const Spoiled spoiled_specs[] = {
     {"unknown parent", [](MechanismSpec& s) { s.links[3].parent = "leg"; }, "link hand", "'leg' does not exist", ErrorCode::unknown},
     {"own parent", [](MechanismSpec& s) { s.links[3].parent = "hand"; }, "link hand", "circle", ErrorCode::structure},
     {"circle of parents", [](MechanismSpec& s) { s.links[1].parent = "finger"; }, "link left", "circle", ErrorCode::structure},
-    {"unknown real link", [](MechanismSpec& s) { s.links[5].real = "nobody"; }, "link finger", "'nobody' does not exist", ErrorCode::unknown},
+    {"unknown real link", [](MechanismSpec& s) { s.links[5].real = "nobody"; }, "link finger", "'nobody' does not exist",
+     ErrorCode::unknown},
     {"own real link", [](MechanismSpec& s) { s.links[5].real = "finger"; }, "link finger", "its own real link", ErrorCode::structure},
-    {"real link virtual", [](MechanismSpec& s) { s.links[5].real = "right", s.links[2].real = "trunk"; }, "link finger", "itself virtual", ErrorCode::structure},
-    {"loop frame", [](MechanismSpec& s) { s.links[5].real = "right", s.links[5].X_RV.p.x = infinity; }, "link finger", "loop's frame", ErrorCode::structure},
-    {"joint frame mirrored", [](MechanismSpec& s) { s.links[1].joint.X_PJ.R = Mat3::diagonal(1, 1, -1); }, "link left", "joint's frame", ErrorCode::structure},
-    {"joint frame scaled", [](MechanismSpec& s) { s.links[1].joint.X_PJ.R = Mat3::diagonal(2, 1, 1); }, "link left", "joint's frame", ErrorCode::structure},
-    {"joint frame not finite", [](MechanismSpec& s) { s.links[1].joint.X_PJ.p.y = nan_value; }, "link left", "joint's frame", ErrorCode::structure},
+    {"real link virtual", [](MechanismSpec& s) { s.links[5].real = "right", s.links[2].real = "trunk"; }, "link finger", "itself virtual",
+     ErrorCode::structure},
+    {"loop frame", [](MechanismSpec& s) { s.links[5].real = "right", s.links[5].X_RV.p.x = infinity; }, "link finger", "loop's frame",
+     ErrorCode::structure},
+    {"joint frame mirrored", [](MechanismSpec& s) { s.links[1].joint.X_PJ.R = Mat3::diagonal(1, 1, -1); }, "link left", "joint's frame",
+     ErrorCode::structure},
+    {"joint frame scaled", [](MechanismSpec& s) { s.links[1].joint.X_PJ.R = Mat3::diagonal(2, 1, 1); }, "link left", "joint's frame",
+     ErrorCode::structure},
+    {"joint frame not finite", [](MechanismSpec& s) { s.links[1].joint.X_PJ.p.y = nan_value; }, "link left", "joint's frame",
+     ErrorCode::structure},
     {"axis without direction", [](MechanismSpec& s) { s.links[3].joint.axis = {}; }, "link hand", "axis", ErrorCode::structure},
     {"axis not unit", [](MechanismSpec& s) { s.links[3].joint.axis = {0, 0, 2}; }, "link hand", "axis", ErrorCode::structure},
     {"axis not a number", [](MechanismSpec& s) { s.links[3].joint.axis = {0, nan_value, 1}; }, "link hand", "axis", ErrorCode::structure},
     {"second axis", [](MechanismSpec& s) { s.links[2].joint.axis2 = {0, 0, 0}; }, "link right", "second axis", ErrorCode::structure},
-    {"parallel axes", [](MechanismSpec& s) { s.links[2].joint.axis2 = s.links[2].joint.axis; }, "link right", "parallel", ErrorCode::structure},
-    {"pitch", [](MechanismSpec& s) { s.links[3].joint.type = JointType::helical, s.links[3].joint.pitch = infinity; }, "link hand", "pitch", ErrorCode::structure},
-    {"limits", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].lower = 1, s.links[3].joint.freedoms[0].upper = 0; }, "link hand", "limit", ErrorCode::structure},
-    {"limit not a number", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].lower = nan_value; }, "link hand", "limit", ErrorCode::structure},
+    {"parallel axes", [](MechanismSpec& s) { s.links[2].joint.axis2 = s.links[2].joint.axis; }, "link right", "parallel",
+     ErrorCode::structure},
+    {"pitch", [](MechanismSpec& s) { s.links[3].joint.type = JointType::helical, s.links[3].joint.pitch = infinity; }, "link hand", "pitch",
+     ErrorCode::structure},
+    {"limits", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].lower = 1, s.links[3].joint.freedoms[0].upper = 0; }, "link hand",
+     "limit", ErrorCode::structure},
+    {"limit not a number", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].lower = nan_value; }, "link hand", "limit",
+     ErrorCode::structure},
     {"negative damping", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].damping = -1; }, "link hand", "damping", ErrorCode::structure},
-    {"negative stiffness", [](MechanismSpec& s) { s.links[5].joint.freedoms[1].stiffness = -1; }, "link finger", "stiffness", ErrorCode::structure},
-    {"negative armature", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].armature = -1; }, "link hand", "armature", ErrorCode::structure},
-    {"negative friction", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].friction = -1; }, "link hand", "friction", ErrorCode::structure},
+    {"negative stiffness", [](MechanismSpec& s) { s.links[5].joint.freedoms[1].stiffness = -1; }, "link finger", "stiffness",
+     ErrorCode::structure},
+    {"negative armature", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].armature = -1; }, "link hand", "armature",
+     ErrorCode::structure},
+    {"negative friction", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].friction = -1; }, "link hand", "friction",
+     ErrorCode::structure},
     {"negative effort", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].effort = -1; }, "link hand", "effort", ErrorCode::structure},
-    {"endless damping", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].damping = infinity; }, "link hand", "damping", ErrorCode::structure},
-    {"rest not a number", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].rest = nan_value; }, "link hand", "damping", ErrorCode::structure},
+    {"endless damping", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].damping = infinity; }, "link hand", "damping",
+     ErrorCode::structure},
+    {"rest not a number", [](MechanismSpec& s) { s.links[3].joint.freedoms[0].rest = nan_value; }, "link hand", "damping",
+     ErrorCode::structure},
     {"negative mass", [](MechanismSpec& s) { s.links[3].inertia.mass = -1; }, "link hand", "mass is negative", ErrorCode::structure},
     {"mass not a number", [](MechanismSpec& s) { s.links[3].inertia.mass = nan_value; }, "link hand", "not finite", ErrorCode::structure},
     {"centre without mass", [](MechanismSpec& s) { s.links[3].inertia.mass = 0; }, "link hand", "no mass", ErrorCode::structure},
-    {"negative moment", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {-1, 1, 1, 0, 0, 0}); }, "link hand", "moments of inertia", ErrorCode::structure},
-    {"triangle inequality", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {1, 1, 3, 0, 0, 0}); }, "link hand", "moments of inertia", ErrorCode::structure},
-    {"indefinite inertia", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {1, 1, 1, 1.5, 0, 0}); }, "link hand", "moments of inertia", ErrorCode::structure},
-    {"nothing to move", [](MechanismSpec& s) { s.links[5].inertia = {}; }, "link finger", "nothing behind it has mass", ErrorCode::structure},
+    {"negative moment", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {-1, 1, 1, 0, 0, 0}); }, "link hand",
+     "moments of inertia", ErrorCode::structure},
+    {"triangle inequality", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {1, 1, 3, 0, 0, 0}); }, "link hand",
+     "moments of inertia", ErrorCode::structure},
+    {"indefinite inertia", [](MechanismSpec& s) { s.links[3].inertia = Inertia::from_centre(1, {}, {1, 1, 1, 1.5, 0, 0}); }, "link hand",
+     "moments of inertia", ErrorCode::structure},
+    {"nothing to move", [](MechanismSpec& s) { s.links[5].inertia = {}; }, "link finger", "nothing behind it has mass",
+     ErrorCode::structure},
     {"shape without size", [](MechanismSpec& s) { s.links[3].shapes[0].radius = 0; }, "link hand", "no size", ErrorCode::structure},
-    {"shape of negative size", [](MechanismSpec& s) { s.links[3].shapes = {Shape::box({1, -1, 1})}; }, "link hand", "no size", ErrorCode::structure},
-    {"shape of endless size", [](MechanismSpec& s) { s.links[3].shapes[0].radius = infinity; }, "link hand", "no size", ErrorCode::structure},
+    {"shape of negative size", [](MechanismSpec& s) { s.links[3].shapes = {Shape::box({1, -1, 1})}; }, "link hand", "no size",
+     ErrorCode::structure},
+    {"shape of endless size", [](MechanismSpec& s) { s.links[3].shapes[0].radius = infinity; }, "link hand", "no size",
+     ErrorCode::structure},
     {"shape frame", [](MechanismSpec& s) { s.links[3].shapes[0].X_BS.R = Mat3{}; }, "link hand", "shape's frame", ErrorCode::structure},
     {"shape friction", [](MechanismSpec& s) { s.links[3].shapes[0].friction = -0.1; }, "link hand", "friction", ErrorCode::range},
     {"shape restitution", [](MechanismSpec& s) { s.links[3].shapes[0].restitution = 1.1; }, "link hand", "restitution", ErrorCode::range},
@@ -198,7 +220,8 @@ TEST_P(RefusedSpec, NamesTheLinkAtFault) {
   ASSERT_FALSE(made.has_value());
   bool found = false;
   for (const Problem& problem : made.error().problems) {
-    found = found || (problem.place.find(p.place) != std::string::npos && problem.message.find(p.words) != std::string::npos && problem.code == p.code);
+    found = found || (problem.place.find(p.place) != std::string::npos && problem.message.find(p.words) != std::string::npos &&
+                      problem.code == p.code);
     EXPECT_FALSE(problem.remedy.empty()) << problem.message;
   }
   EXPECT_TRUE(found) << made.error().text();
@@ -222,11 +245,11 @@ TEST(Mechanism, AllProblemsAreReportedNotOnlyTheFirst) {
 }
 
 TEST(Mechanism, PossibleInertiasPass) {
-  for (const Inertia& inertia : {Inertia::from_centre(1, {5, 5, 5}, {}),                            // a point
-                                 Inertia::from_centre(1, {}, {1, 1, 0, 0, 0, 0}),                   // a rod
-                                 Inertia::from_centre(1, {}, {1, 1, 2, 0, 0, 0}),                   // a plate
-                                 solid_inertia(Shape::capsule(1e-4, {0, 0, 0}, {3, 2, 1}), 1000),   // thin
-                                 Inertia::from_centre(1e-12, {}, {1e-18, 1e-18, 1e-18, 0, 0, 0}),   // tiny
+  for (const Inertia& inertia : {Inertia::from_centre(1, {5, 5, 5}, {}),                           // a point
+                                 Inertia::from_centre(1, {}, {1, 1, 0, 0, 0, 0}),                  // a rod
+                                 Inertia::from_centre(1, {}, {1, 1, 2, 0, 0, 0}),                  // a plate
+                                 solid_inertia(Shape::capsule(1e-4, {0, 0, 0}, {3, 2, 1}), 1000),  // thin
+                                 Inertia::from_centre(1e-12, {}, {1e-18, 1e-18, 1e-18, 0, 0, 0}),  // tiny
                                  Inertia::from_centre(1e6, {0, 0, 1e3}, {1e6, 1e6, 1e6, 0, 0, 0})}) {
     MechanismSpec spec{"one", {link("body", "", JointType::floating)}};
     spec.links[0].inertia = inertia;
@@ -244,7 +267,8 @@ TEST(Mechanism, ArmatureAloneIsEnoughToMove) {
 
 TEST(Mechanism, LongChainsAreNotSlow) {
   MechanismSpec spec{"chain", {}};
-  for (int i = 0; i < 20000; ++i) spec.links.push_back(link(("l" + std::to_string(i)).c_str(), i == 0 ? "" : ("l" + std::to_string(i - 1)).c_str()));
+  for (int i = 0; i < 20000; ++i)
+    spec.links.push_back(link(("l" + std::to_string(i)).c_str(), i == 0 ? "" : ("l" + std::to_string(i - 1)).c_str()));
   std::reverse(spec.links.begin(), spec.links.end());
   const auto made = Mechanism::make(std::move(spec));
   ASSERT_TRUE(made.has_value());

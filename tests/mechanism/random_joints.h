@@ -8,8 +8,9 @@
 
 namespace ugoki::test {
 
-inline constexpr std::array all_joint_types = {JointType::fixed,       JointType::revolute, JointType::prismatic, JointType::helical, JointType::cylindrical,
-                                               JointType::planar,      JointType::universal, JointType::spherical, JointType::floating};
+inline constexpr std::array all_joint_types = {JointType::fixed,     JointType::revolute,    JointType::prismatic,
+                                               JointType::helical,   JointType::cylindrical, JointType::planar,
+                                               JointType::universal, JointType::spherical,   JointType::floating};
 
 class Random {
  public:

@@ -66,7 +66,8 @@ TEST(State, PosesChainFromTheRoot) {
   const std::vector<Pose> X = poses(*m, q);
   for (int i = 0; i < m->link_count(); ++i) {
     Pose expected;
-    for (int k = i; k >= 0; k = m->link(k).parent) expected = m->link(k).joint.X_PJ * joint_pose(m->link(k).joint, q.data() + m->link(k).q_index) * expected;
+    for (int k = i; k >= 0; k = m->link(k).parent)
+      expected = m->link(k).joint.X_PJ * joint_pose(m->link(k).joint, q.data() + m->link(k).q_index) * expected;
     EXPECT_LT(difference(X[static_cast<std::size_t>(i)], expected), 1e-13);
   }
 }
@@ -134,7 +135,8 @@ TEST(State, CentreOfMass) {
 }
 
 TEST(State, FiniteOrNot) {
-  const double good[] = {0, 1, -1e308}, bad[] = {0, std::numeric_limits<double>::quiet_NaN()}, endless[] = {std::numeric_limits<double>::infinity()};
+  const double good[] = {0, 1, -1e308}, bad[] = {0, std::numeric_limits<double>::quiet_NaN()},
+               endless[] = {std::numeric_limits<double>::infinity()};
   EXPECT_TRUE(is_finite(std::span<const double>(good)));
   EXPECT_FALSE(is_finite(std::span<const double>(bad)));
   EXPECT_FALSE(is_finite(std::span<const double>(endless)));

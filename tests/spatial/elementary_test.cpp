@@ -91,7 +91,9 @@ TEST_F(Elementary, Arctangent) {
   for (const Range r : {Range{-1, 1}, Range{-10, 10}, Range{-1e6, 1e6}})
     expect_within(2, r, [](double x) { return ugoki::atan(x); }, [](long double x) { return std::atan(x); });
   for (const double x : {-3.0, -1.0, -1e-3, 1e-3, 0.7, 5.0})
-    expect_within(2, {-4, 4}, [x](double y) { return ugoki::atan2(y, x); }, [x](long double y) { return std::atan2(y, static_cast<long double>(x)); });
+    expect_within(
+        2, {-4, 4}, [x](double y) { return ugoki::atan2(y, x); },
+        [x](long double y) { return std::atan2(y, static_cast<long double>(x)); });
 }
 
 TEST_F(Elementary, ArcsineAndArccosine) {

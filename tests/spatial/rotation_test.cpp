@@ -72,7 +72,8 @@ TEST(Rotation, MatrixToQuaternionAndBack) {
     ASSERT_GE(back.w, 0);
   }
   // half turns, where the trace is least and each component is greatest once
-  for (const Vec3 n : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{std::sqrt(0.5), std::sqrt(0.5), 0}, Vec3{0, std::sqrt(0.5), -std::sqrt(0.5)}})
+  for (const Vec3 n :
+       {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{std::sqrt(0.5), std::sqrt(0.5), 0}, Vec3{0, std::sqrt(0.5), -std::sqrt(0.5)}})
     EXPECT_LT(difference(to_quat(rotation_about(n, pi)), axis_angle(n, pi)), 1e-15);
 }
 

@@ -45,9 +45,7 @@ Matrix6 blocks(const Mat3& a, const Mat3& b, const Mat3& c, const Mat3& d) {
 Matrix6 motion_matrix(const Pose& X) { return blocks(X.R, {}, Mat3::skew(X.p) * X.R, X.R); }
 /// Force of B into A: [R, p x R; 0, R].
 Matrix6 force_matrix(const Pose& X) { return blocks(X.R, Mat3::skew(X.p) * X.R, {}, X.R); }
-Matrix6 matrix(const Inertia& i) {
-  return blocks(i.I.matrix(), Mat3::skew(i.h), Mat3::skew(i.h).transposed(), Mat3::identity() * i.mass);
-}
+Matrix6 matrix(const Inertia& i) { return blocks(i.I.matrix(), Mat3::skew(i.h), Mat3::skew(i.h).transposed(), Mat3::identity() * i.mass); }
 Vec6 times(const Matrix6& m, const Vec6& v) {
   const double in[6] = {v.w.x, v.w.y, v.w.z, v.v.x, v.v.y, v.v.z};
   double out[6] = {};

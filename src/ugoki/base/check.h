@@ -7,9 +7,10 @@ namespace ugoki {
 }  // namespace ugoki
 
 /// Always on; use where it is cheap.
-#define UGOKI_CHECK(condition) \
-  do {                         \
-    if (!(condition)) [[unlikely]] ::ugoki::check_failed(#condition, __FILE__, __LINE__); \
+#define UGOKI_CHECK(condition)                               \
+  do {                                                       \
+    if (!(condition)) [[unlikely]]                           \
+      ::ugoki::check_failed(#condition, __FILE__, __LINE__); \
   } while (false)
 
 #ifdef NDEBUG

@@ -18,7 +18,7 @@ struct Axes {
   bool face_out = true;  // the face's outward normal is +axis
   double edge = -1e300;  // separation along the best cross product
   int edge_a = 0, edge_b = 0;
-  Vec3 edge_n;           // unit, in a's frame, from b towards a
+  Vec3 edge_n;  // unit, in a's frame, from b towards a
 
   [[nodiscard]] double best() const { return std::max(face, edge); }
 };

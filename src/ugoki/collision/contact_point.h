@@ -21,7 +21,7 @@ struct ContactPoint {
 
 /// The horizontal plane z = height; everything below it is ground.
 struct Ground {
-  double height = 0;       ///< m
+  double height = 0;  ///< m
   double friction = 0.9;
   double restitution = 0;
 };

@@ -34,7 +34,9 @@ struct Search {
   std::vector<ContactPoint>& out;
   Manifold manifold;
 
-  [[nodiscard]] const Pose& link_pose(const SceneShape& s) const { return X_WB[static_cast<std::size_t>(s.system)][static_cast<std::size_t>(s.link)]; }
+  [[nodiscard]] const Pose& link_pose(const SceneShape& s) const {
+    return X_WB[static_cast<std::size_t>(s.system)][static_cast<std::size_t>(s.link)];
+  }
 
   void add(const SceneShape& a, std::uint64_t index_a, const SceneShape* b, std::uint64_t index_b, double friction, double restitution) {
     for (int i = 0; i < manifold.count; ++i) {

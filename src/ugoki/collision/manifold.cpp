@@ -35,8 +35,10 @@ void add_round_round(const Round& a, const Round& b, double margin, Manifold& ou
     add(second, 2);
   } else {
     add(deepest, 0);
-    if (nearest.s - low > high - nearest.s) add(first, 1);
-    else add(second, 2);
+    if (nearest.s - low > high - nearest.s)
+      add(first, 1);
+    else
+      add(second, 2);
   }
 }
 
@@ -79,8 +81,10 @@ void add_round_box(const Round& world, const Box& box, bool flip, double margin,
     add(high, second.n, second.distance, 2);
   } else {
     add(nearest.t, nearest.n, deepest, 0);
-    if (nearest.t - low > high - nearest.t) add(low, first.n, first.distance, 1);
-    else add(high, second.n, second.distance, 2);
+    if (nearest.t - low > high - nearest.t)
+      add(low, first.n, first.distance, 1);
+    else
+      add(high, second.n, second.distance, 2);
   }
 }
 
@@ -112,8 +116,7 @@ void find_ground_manifold(const Shape& a, const Pose& X, double height, double m
     }
     case ShapeType::box: {
       const Vec3 x = X.R.column(0) * a.half_extents.x, y = X.R.column(1) * a.half_extents.y, z = X.R.column(2) * a.half_extents.z;
-      for (std::uint32_t c = 0; c < 8; ++c)
-        add(X.p + ((c & 1) != 0 ? x : -x) + ((c & 2) != 0 ? y : -y) + ((c & 4) != 0 ? z : -z), c);
+      for (std::uint32_t c = 0; c < 8; ++c) add(X.p + ((c & 1) != 0 ? x : -x) + ((c & 2) != 0 ? y : -y) + ((c & 4) != 0 ? z : -z), c);
       return;
     }
   }

@@ -16,11 +16,16 @@ struct RoundPair {
   const Vec3 on_a = a.at(s), on_b = b.at(t), gap = on_a - on_b;
   const double d = norm(gap);
   RoundPair out;
-  if (d > 1e-12 * (a.radius + b.radius + a.half + b.half)) out.n = gap / d;
-  else if (a.half > 0 && b.half > 0 && sin2 > 1e-12) out.n = normalized(cross(a.d, b.d));
-  else if (a.half > 0) out.n = any_perpendicular(a.d);
-  else if (b.half > 0) out.n = any_perpendicular(b.d);
-  else out.n = {0, 0, 1};
+  if (d > 1e-12 * (a.radius + b.radius + a.half + b.half))
+    out.n = gap / d;
+  else if (a.half > 0 && b.half > 0 && sin2 > 1e-12)
+    out.n = normalized(cross(a.d, b.d));
+  else if (a.half > 0)
+    out.n = any_perpendicular(a.d);
+  else if (b.half > 0)
+    out.n = any_perpendicular(b.d);
+  else
+    out.n = {0, 0, 1};
   out.distance = dot(gap, out.n) - a.radius - b.radius;
   out.pa = on_a - out.n * a.radius;
   out.pb = on_b + out.n * b.radius;

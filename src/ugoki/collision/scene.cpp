@@ -13,10 +13,10 @@ namespace {
 /// Which links of a mechanism are one body, and which bodies share a joint.
 struct Bodies {
   static constexpr int no_body = -2;
-  std::vector<int> body;                         // [links] index of the first link of its body; -1: the world
-  std::vector<std::pair<int, int>> joined;       // bodies that one joint connects, smaller first
-  std::vector<Vec3> joint_origin;                // [links] m, of its joint, in the frame of the link on which it hangs
-  std::vector<int> hangs_on;                     // [links] body on which its body's joint hangs; -2: on none, it floats
+  std::vector<int> body;                    // [links] index of the first link of its body; -1: the world
+  std::vector<std::pair<int, int>> joined;  // bodies that one joint connects, smaller first
+  std::vector<Vec3> joint_origin;           // [links] m, of its joint, in the frame of the link on which it hangs
+  std::vector<int> hangs_on;                // [links] body on which its body's joint hangs; -2: on none, it floats
 
   explicit Bodies(const Mechanism& m) {
     const auto count = static_cast<std::size_t>(m.link_count());

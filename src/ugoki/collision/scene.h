@@ -11,17 +11,17 @@
 namespace ugoki::collision {
 
 struct SceneOptions {
-  bool with_ground = true;       ///< there is a ground plane
-  bool between_systems = true;   ///< shapes of different mechanisms collide
-  bool self_collision = false;   ///< links of one mechanism collide, at the start; see Scene::set_self_collision
+  bool with_ground = true;      ///< there is a ground plane
+  bool between_systems = true;  ///< shapes of different mechanisms collide
+  bool self_collision = false;  ///< links of one mechanism collide, at the start; see Scene::set_self_collision
 };
 
 /// A shape that collides, as it runs.
 struct SceneShape {
   Shape shape;
   int system = 0, link = 0;
-  double bound = 0;           ///< m: radius of the sphere about the shape's centre that holds it
-  bool movable = true;        ///< false: no joint between it and the world moves
+  double bound = 0;                                    ///< m: radius of the sphere about the shape's centre that holds it
+  bool movable = true;                                 ///< false: no joint between it and the world moves
   double ground_friction = 0, ground_restitution = 0;  ///< of the pair with the ground
 };
 
@@ -56,9 +56,9 @@ class Scene {
   Ground ground_;
   SceneOptions options_;
   std::vector<SceneShape> shapes_;
-  std::vector<int> first_shape_;                      // [systems + 1]
-  std::vector<std::vector<ShapePair>> self_pairs_;    // [systems]
-  std::vector<std::uint8_t> self_on_;                 // [systems]
+  std::vector<int> first_shape_;                    // [systems + 1]
+  std::vector<std::vector<ShapePair>> self_pairs_;  // [systems]
+  std::vector<std::uint8_t> self_on_;               // [systems]
 };
 
 /// Scratch memory of find_contacts; one for each thread. Any scene may use it; it grows to the largest.

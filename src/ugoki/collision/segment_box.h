@@ -7,11 +7,11 @@ namespace ugoki::collision {
 
 /// Nearest pair of a segment and a solid box, or the deepest one if they meet.
 struct SegmentBox {
-  double t = 0;          ///< parameter on the segment
-  Vec3 on_box;           ///< m, in the box's frame, on its surface
-  Vec3 n;                ///< unit, in the box's frame: from the box towards the segment
-  double distance = 0;   ///< m; negative: the shortest translation that takes the segment out of the box
-  int edge = -1;         ///< segment inside and its way out is across an edge: the axis of that edge; otherwise -1
+  double t = 0;         ///< parameter on the segment
+  Vec3 on_box;          ///< m, in the box's frame, on its surface
+  Vec3 n;               ///< unit, in the box's frame: from the box towards the segment
+  double distance = 0;  ///< m; negative: the shortest translation that takes the segment out of the box
+  int edge = -1;        ///< segment inside and its way out is across an edge: the axis of that edge; otherwise -1
 };
 
 /// @param s segment in the box's frame (its radius is not used)
@@ -25,6 +25,8 @@ inline Vec3 clamp_to(const Vec3& p, const Vec3& e) { return {clamp_to(p.x, e.x),
 [[nodiscard]] bool cut_to_slab(const Round& s, const Vec3& e, int i, double& low, double& high);
 
 /// The segment in the frame of a box at pose X.
-inline Round in_box(const Round& s, const Pose& X) { return {transpose_times(X.R, s.c - X.p), transpose_times(X.R, s.d), s.half, s.radius}; }
+inline Round in_box(const Round& s, const Pose& X) {
+  return {transpose_times(X.R, s.c - X.p), transpose_times(X.R, s.d), s.half, s.radius};
+}
 
 }  // namespace ugoki::collision

@@ -35,21 +35,21 @@ enum class JointType : std::uint8_t { fixed, revolute, prismatic, helical, cylin
 struct Freedom {
   double lower = -std::numeric_limits<double>::infinity();  ///< limit of the coordinate (of the rotation vector's component
   double upper = std::numeric_limits<double>::infinity();   ///< for a spherical joint; floating joints have none)
-  double damping = 0;    ///< torque per velocity
-  double stiffness = 0;  ///< torque per displacement from `rest`
-  double rest = 0;       ///< where the spring is relaxed
-  double armature = 0;   ///< inertia of a geared rotor, added to the diagonal of M
-  double friction = 0;   ///< greatest dry-friction torque
+  double damping = 0;                                       ///< torque per velocity
+  double stiffness = 0;                                     ///< torque per displacement from `rest`
+  double rest = 0;                                          ///< where the spring is relaxed
+  double armature = 0;                                      ///< inertia of a geared rotor, added to the diagonal of M
+  double friction = 0;                                      ///< greatest dry-friction torque
   double effort = std::numeric_limits<double>::infinity();  ///< greatest torque that a drive may give
   friend bool operator==(const Freedom&, const Freedom&) = default;
 };
 
 struct Joint {
   JointType type = JointType::fixed;
-  Pose X_PJ;                  ///< joint frame in the parent link's frame
-  Vec3 axis = {0, 0, 1};      ///< unit, in J
-  Vec3 axis2 = {0, 1, 0};     ///< unit, in J turned by the first angle (universal)
-  double pitch = 0;           ///< m/rad (helical)
+  Pose X_PJ;                          ///< joint frame in the parent link's frame
+  Vec3 axis = {0, 0, 1};              ///< unit, in J
+  Vec3 axis2 = {0, 1, 0};             ///< unit, in J turned by the first angle (universal)
+  double pitch = 0;                   ///< m/rad (helical)
   std::array<Freedom, 6> freedoms{};  ///< the first nv count
 
   [[nodiscard]] int nq() const { return position_count(type); }

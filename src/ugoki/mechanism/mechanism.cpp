@@ -7,9 +7,7 @@
 namespace ugoki {
 namespace {
 
-bool finite(const Mat3& m) {
-  return is_finite(m.row(0)) && is_finite(m.row(1)) && is_finite(m.row(2));
-}
+bool finite(const Mat3& m) { return is_finite(m.row(0)) && is_finite(m.row(1)) && is_finite(m.row(2)); }
 bool is_pose(const Pose& X) {
   if (!finite(X.R) || !is_finite(X.p)) return false;
   const Mat3 e = X.R.transposed() * X.R - Mat3::identity();
@@ -36,7 +34,9 @@ std::string impossible_inertia(const Inertia& inertia) {
     const bool bad = s.xx < -slack || s.yy < -slack || s.zz < -slack || s.xx * s.yy - s.xy * s.xy < -slack * scale ||
                      s.xx * s.zz - s.xz * s.xz < -slack * scale || s.yy * s.zz - s.yz * s.yz < -slack * scale ||
                      s.matrix().determinant() < -slack * scale * scale;
-    if (bad) return "no body has these moments of inertia (about its centre of mass they must be positive, and none above the sum of the other two).";
+    if (bad)
+      return "no body has these moments of inertia (about its centre of mass they must be positive, and none above the sum of the other "
+             "two).";
   }
   return {};
 }
@@ -49,27 +49,34 @@ void check_joint(const LinkSpec& link, const std::string& place, Error& errors) 
                          j.type == JointType::cylindrical || j.type == JointType::universal;
   if (uses_axis && !(std::fabs(norm(j.axis) - 1) < 1e-6)) add("the joint's axis is not a unit vector.", "Give an axis of length 1.");
   if (j.type == JointType::universal) {
-    if (!(std::fabs(norm(j.axis2) - 1) < 1e-6)) add("the joint's second axis is not a unit vector.", "Give an axis of length 1.");
-    else if (norm(cross(j.axis, j.axis2)) < 1e-6) add("the two axes of the universal joint are parallel.", "Turn one of them, or use a revolute joint.");
+    if (!(std::fabs(norm(j.axis2) - 1) < 1e-6))
+      add("the joint's second axis is not a unit vector.", "Give an axis of length 1.");
+    else if (norm(cross(j.axis, j.axis2)) < 1e-6)
+      add("the two axes of the universal joint are parallel.", "Turn one of them, or use a revolute joint.");
   }
   if (!std::isfinite(j.pitch)) add("the joint's pitch is not finite.", "Give the pitch in metres per radian.");
   for (int i = 0; i < j.nv(); ++i) {
     const Freedom& f = j.freedoms[static_cast<std::size_t>(i)];
     if (!(f.lower <= f.upper)) add("a joint limit's lower bound is above its upper bound, or not a number.", "Swap or correct the limits.");
     const bool negative = !(f.damping >= 0) || !(f.stiffness >= 0) || !(f.armature >= 0) || !(f.friction >= 0) || !(f.effort >= 0);
-    const bool endless = !std::isfinite(f.damping) || !std::isfinite(f.stiffness) || !std::isfinite(f.armature) || !std::isfinite(f.friction) || !std::isfinite(f.rest);
-    if (negative || endless) add("damping, stiffness, armature, friction and effort must be numbers that are not negative.", "Correct the joint's values.");
+    const bool endless = !std::isfinite(f.damping) || !std::isfinite(f.stiffness) || !std::isfinite(f.armature) ||
+                         !std::isfinite(f.friction) || !std::isfinite(f.rest);
+    if (negative || endless)
+      add("damping, stiffness, armature, friction and effort must be numbers that are not negative.", "Correct the joint's values.");
   }
 }
 
 void check_shapes(const LinkSpec& link, const std::string& place, Error& errors) {
   for (const Shape& s : link.shapes) {
-    const bool sized = s.type == ShapeType::box ? s.half_extents.x > 0 && s.half_extents.y > 0 && s.half_extents.z > 0 && is_finite(s.half_extents)
-                                                : s.radius > 0 && std::isfinite(s.radius) && s.half_length >= 0 && std::isfinite(s.half_length);
+    const bool sized = s.type == ShapeType::box
+                           ? s.half_extents.x > 0 && s.half_extents.y > 0 && s.half_extents.z > 0 && is_finite(s.half_extents)
+                           : s.radius > 0 && std::isfinite(s.radius) && s.half_length >= 0 && std::isfinite(s.half_length);
     if (!sized) errors.add(ErrorCode::structure, place, "a shape has no size.", "Give it a positive radius or extents.");
-    if (!is_pose(s.X_BS)) errors.add(ErrorCode::structure, place, "a shape's frame is not a rotation and a finite position.", "Give an orthonormal rotation.");
+    if (!is_pose(s.X_BS))
+      errors.add(ErrorCode::structure, place, "a shape's frame is not a rotation and a finite position.", "Give an orthonormal rotation.");
     if (!(s.friction >= 0) || !(s.restitution >= 0 && s.restitution <= 1))
-      errors.add(ErrorCode::range, place, "a shape's friction or restitution is out of range.", "Friction is at least 0, restitution between 0 and 1.");
+      errors.add(ErrorCode::range, place, "a shape's friction or restitution is out of range.",
+                 "Friction is at least 0, restitution between 0 and 1.");
   }
 }
 
@@ -85,7 +92,8 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
   std::map<std::string, int, std::less<>> index_of;
   for (std::size_t i = 0; i < n; ++i) {
     const LinkSpec& l = spec.links[i];
-    if (l.name.empty()) errors.add(ErrorCode::structure, whole + ", link " + std::to_string(i), "it has no name.", "Name it.");
+    if (l.name.empty())
+      errors.add(ErrorCode::structure, whole + ", link " + std::to_string(i), "it has no name.", "Name it.");
     else if (!index_of.emplace(l.name, static_cast<int>(i)).second)
       errors.add(ErrorCode::duplicate, "link " + l.name, "two links have this name.", "Rename one of them.");
   }
@@ -95,16 +103,23 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     const std::string place = "link " + l.name;
     if (!l.parent.empty()) {
       const auto it = index_of.find(l.parent);
-      if (it == index_of.end()) errors.add(ErrorCode::unknown, place, "its parent '" + l.parent + "' does not exist.", "Name an existing link, or none for the world.");
-      else parent[i] = it->second;
+      if (it == index_of.end())
+        errors.add(ErrorCode::unknown, place, "its parent '" + l.parent + "' does not exist.",
+                   "Name an existing link, or none for the world.");
+      else
+        parent[i] = it->second;
     }
     if (!l.real.empty()) {
       const auto it = index_of.find(l.real);
-      if (it == index_of.end()) errors.add(ErrorCode::unknown, place, "its real link '" + l.real + "' does not exist.", "Name the link at which the loop is cut.");
-      else if (it->second == static_cast<int>(i)) errors.add(ErrorCode::structure, place, "it is its own real link.", "Name another link.");
+      if (it == index_of.end())
+        errors.add(ErrorCode::unknown, place, "its real link '" + l.real + "' does not exist.", "Name the link at which the loop is cut.");
+      else if (it->second == static_cast<int>(i))
+        errors.add(ErrorCode::structure, place, "it is its own real link.", "Name another link.");
       else if (!spec.links[static_cast<std::size_t>(it->second)].real.empty())
         errors.add(ErrorCode::structure, place, "its real link is itself virtual.", "Name the real link.");
-      if (!is_pose(l.X_RV)) errors.add(ErrorCode::structure, place, "the loop's frame is not a rotation and a finite position.", "Give an orthonormal rotation.");
+      if (!is_pose(l.X_RV))
+        errors.add(ErrorCode::structure, place, "the loop's frame is not a rotation and a finite position.",
+                   "Give an orthonormal rotation.");
     }
     check_joint(l, place, errors);
     check_shapes(l, place, errors);

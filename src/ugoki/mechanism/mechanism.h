@@ -16,13 +16,13 @@ namespace ugoki {
 /// A link as people write it: it names its parent.
 struct LinkSpec {
   std::string name;
-  std::string parent;   ///< empty: the joint connects it to the world
+  std::string parent;  ///< empty: the joint connects it to the world
   Joint joint;
-  Inertia inertia;      ///< in the link's frame
+  Inertia inertia;  ///< in the link's frame
   std::vector<Shape> shapes;
-  std::string real;     ///< not empty: this is a virtual link, a second body for the link named here, at which a loop was cut
-  Pose X_RV;            ///< virtual links: frame of this link in the real link's frame when the loop is closed
-  std::string label;    ///< anatomical meaning, for people and for matching ("left shank"); may be empty
+  std::string real;   ///< not empty: this is a virtual link, a second body for the link named here, at which a loop was cut
+  Pose X_RV;          ///< virtual links: frame of this link in the real link's frame when the loop is closed
+  std::string label;  ///< anatomical meaning, for people and for matching ("left shank"); may be empty
 };
 
 struct MechanismSpec {
@@ -39,8 +39,8 @@ struct Link {
   int brother = -1;  ///< next link with the same parent
   int real = -1;     ///< virtual pointer: the real link of which this is the second body
   Joint joint;
-  int q_index = 0;   ///< first coordinate of its joint in q
-  int v_index = 0;   ///< first freedom of its joint in v
+  int q_index = 0;  ///< first coordinate of its joint in q
+  int v_index = 0;  ///< first freedom of its joint in v
   Inertia inertia;
   Pose X_RV;
   std::vector<Shape> shapes;

@@ -11,10 +11,10 @@ enum class ShapeType : std::uint8_t { sphere, capsule, box };
 
 struct Shape {
   ShapeType type = ShapeType::sphere;
-  Pose X_BS;            ///< shape's frame in the link's frame
-  double radius = 0;    ///< m; sphere, capsule
-  double half_length = 0;  ///< m; capsule: from the centre to the centre of a cap, along the shape's z
-  Vec3 half_extents;    ///< m; box: along the shape's x, y, z
+  Pose X_BS;                 ///< shape's frame in the link's frame
+  double radius = 0;         ///< m; sphere, capsule
+  double half_length = 0;    ///< m; capsule: from the centre to the centre of a cap, along the shape's z
+  Vec3 half_extents;         ///< m; box: along the shape's x, y, z
   double friction = 0.8;     ///< Coulomb coefficient; a pair uses the geometric mean
   double restitution = 0.0;  ///< 0 ... 1; a pair uses the greater
   bool collides = true;

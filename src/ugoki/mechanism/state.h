@@ -9,17 +9,21 @@
 namespace ugoki {
 
 struct State {
-  std::vector<double> q;    ///< [nq] m | rad | unit quaternions
-  std::vector<double> v;    ///< [nv] m/s | rad/s
-  std::vector<double> a;    ///< [nv] m/s^2 | rad/s^2
-  std::vector<double> tau;  ///< [nv] joint forces, N | N m
+  std::vector<double> q;       ///< [nq] m | rad | unit quaternions
+  std::vector<double> v;       ///< [nv] m/s | rad/s
+  std::vector<double> a;       ///< [nv] m/s^2 | rad/s^2
+  std::vector<double> tau;     ///< [nv] joint forces, N | N m
   std::vector<Vec6> external;  ///< [links] wrench on each link about the WORLD origin, world axes
-  double time = 0;          ///< s
+  double time = 0;             ///< s
 
   State() = default;
   /// Neutral position at rest.
   explicit State(const Mechanism& m)
-      : q(m.neutral()), v(static_cast<std::size_t>(m.nv())), a(v.size()), tau(v.size()), external(static_cast<std::size_t>(m.link_count())) {}
+      : q(m.neutral()),
+        v(static_cast<std::size_t>(m.nv())),
+        a(v.size()),
+        tau(v.size()),
+        external(static_cast<std::size_t>(m.link_count())) {}
 };
 
 /// Pose of every link in the world. @param q [nq] @param X_WB [links, out]

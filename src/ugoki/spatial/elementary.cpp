@@ -22,11 +22,11 @@ constexpr double pio2_far_d = 0x1.8a2e03707344ap-81;
 // is below a unit of x's last place.
 double sin_kernel(double x, double tail) {
   const double z = x * x;
-  double s = 1.0 / 355687428096000.0;       // 1/17!
-  s = s * z - 1.0 / 1307674368000.0;        // 1/15!
-  s = s * z + 1.0 / 6227020800.0;           // 1/13!
-  s = s * z - 1.0 / 39916800.0;             // 1/11!
-  s = s * z + 1.0 / 362880.0;               // 1/9!
+  double s = 1.0 / 355687428096000.0;  // 1/17!
+  s = s * z - 1.0 / 1307674368000.0;   // 1/15!
+  s = s * z + 1.0 / 6227020800.0;      // 1/13!
+  s = s * z - 1.0 / 39916800.0;        // 1/11!
+  s = s * z + 1.0 / 362880.0;          // 1/9!
   s = s * z - 1.0 / 5040.0;
   s = s * z + 1.0 / 120.0;
   s = s * z - 1.0 / 6.0;
@@ -35,15 +35,15 @@ double sin_kernel(double x, double tail) {
 
 double cos_kernel(double x, double tail) {
   const double z = x * x;
-  double c = 1.0 / 20922789888000.0;        // 1/16!
-  c = c * z - 1.0 / 87178291200.0;          // 1/14!
-  c = c * z + 1.0 / 479001600.0;            // 1/12!
-  c = c * z - 1.0 / 3628800.0;              // 1/10!
-  c = c * z + 1.0 / 40320.0;                // 1/8!
+  double c = 1.0 / 20922789888000.0;  // 1/16!
+  c = c * z - 1.0 / 87178291200.0;    // 1/14!
+  c = c * z + 1.0 / 479001600.0;      // 1/12!
+  c = c * z - 1.0 / 3628800.0;        // 1/10!
+  c = c * z + 1.0 / 40320.0;          // 1/8!
   c = c * z - 1.0 / 720.0;
   c = c * z + 1.0 / 24.0;
   const double half = 0.5 * z;
-  const double head = 1.0 - half;           // keep what the subtraction rounded away
+  const double head = 1.0 - half;  // keep what the subtraction rounded away
   return head + (((1.0 - head) - half) + (z * z * c - x * tail));
 }
 

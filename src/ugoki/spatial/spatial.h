@@ -54,18 +54,14 @@ struct PoseT {
     return {w, R * m.v + cross(p, w)};
   }
   /// Motion given in A -> in B.
-  constexpr Vec6T<T> motion_to_child(const Vec6T<T>& m) const {
-    return {transpose_times(R, m.w), transpose_times(R, m.v - cross(p, m.w))};
-  }
+  constexpr Vec6T<T> motion_to_child(const Vec6T<T>& m) const { return {transpose_times(R, m.w), transpose_times(R, m.v - cross(p, m.w))}; }
   /// Force given in B -> in A.
   constexpr Vec6T<T> force_to_parent(const Vec6T<T>& f) const {
     const Vec3T<T> g = R * f.v;
     return {R * f.w + cross(p, g), g};
   }
   /// Force given in A -> in B.
-  constexpr Vec6T<T> force_to_child(const Vec6T<T>& f) const {
-    return {transpose_times(R, f.w - cross(p, f.v)), transpose_times(R, f.v)};
-  }
+  constexpr Vec6T<T> force_to_child(const Vec6T<T>& f) const { return {transpose_times(R, f.w - cross(p, f.v)), transpose_times(R, f.v)}; }
 };
 using Pose = PoseT<double>;
 

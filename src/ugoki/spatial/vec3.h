@@ -76,9 +76,7 @@ struct Mat3T {
   friend constexpr Vec3T<T> transpose_times(const Mat3T& m, const Vec3T<T>& v) {
     return {m.xx * v.x + m.yx * v.y + m.zx * v.z, m.xy * v.x + m.yy * v.y + m.zy * v.z, m.xz * v.x + m.yz * v.y + m.zz * v.z};
   }
-  friend constexpr Mat3T operator*(const Mat3T& a, const Mat3T& b) {
-    return columns(a * b.column(0), a * b.column(1), a * b.column(2));
-  }
+  friend constexpr Mat3T operator*(const Mat3T& a, const Mat3T& b) { return columns(a * b.column(0), a * b.column(1), a * b.column(2)); }
   friend constexpr Mat3T operator*(const Mat3T& a, T s) {
     return {a.xx * s, a.xy * s, a.xz * s, a.yx * s, a.yy * s, a.yz * s, a.zx * s, a.zy * s, a.zz * s};
   }
