@@ -115,7 +115,9 @@ TEST(MotionBinary, FindsEveryCutAndEveryFlippedBit) {
     for (std::size_t n = 0; n < good.size(); ++n) {
       const std::vector<std::byte> cut(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(n));
       EXPECT_TRUE(refused(cut)) << n;
-      if (n > 32) EXPECT_TRUE(refused(summed(cut))) << n << " with a right checksum";
+      if (n > 32) {
+        EXPECT_TRUE(refused(summed(cut))) << n << " with a right checksum";
+      }
     }
     for (std::size_t n = 0; n < good.size(); ++n) {
       if (n >= 12 && n < 16) continue;  // reserved
