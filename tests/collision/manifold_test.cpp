@@ -88,6 +88,12 @@ TEST(Manifold, ParallelCapsulesTouchAtTwoPoints) {
     EXPECT_NEAR(m.points[0].distance + m.points[1].distance, -0.02, 1e-4);
     EXPECT_LT(norm(m.points[0].n - Vec3{0, 0, 1}), 0.02);
   }
+  // crossing near one end: there, and at the end farther from it
+  const Manifold crossed = manifold(short_one, turned({0, 0, 1}, 0.1, {0.1, 0.02, 0.19}), long_one, {}, 0.05);
+  ASSERT_EQ(crossed.count, 2);
+  EXPECT_NEAR(crossed.points[0].distance, -0.01, 1e-12);
+  EXPECT_NEAR(crossed.points[0].p.x, 0.1 - 0.02 / std::tan(0.1), 1e-9);
+  EXPECT_NEAR(crossed.points[1].p.x, 0.1 + 0.3 * std::cos(0.1), 0.01);
   EXPECT_EQ(manifold(short_one, turned({0, 0, 1}, 1, {0.1, 0, 0.19}), long_one, {}, 0.05).count, 1);
   EXPECT_EQ(manifold(short_one, at(1.49, 0, 0), long_one, {}, 0.05).count, 1);  // in line, cap on cap
 }
@@ -133,6 +139,14 @@ TEST(Manifold, BoxOnBoxHasFourCorners) {
         middle += p.p * 0.25;
       }
       EXPECT_LT(norm(middle - Vec3{0.1, 0.2, 0.5 + gap / 2}), 1e-12);
+    }
+  }
+  // tilted by less than a box can show: still the face, although an edge separates better by a hair
+  for (const double angle : {0.0, 0.2, 0.6}) {
+    for (const double tilt : {1e-9, 1e-7, 1e-5}) {
+      Pose A = turned({0, 0, 1}, angle, {0.85, 0.9, 0.595});  // overhanging a corner
+      A.R = rotation_about(normalized(Vec3{1, 0.4, 0}), tilt) * A.R;
+      EXPECT_EQ(manifold(small, A, large, {}, 0.05).count, 4) << angle << " " << tilt;
     }
   }
   // boxes of the same size, turned so that the common face is an octagon: four of its corners
