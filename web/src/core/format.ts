@@ -45,7 +45,7 @@ export const join_facts = (facts: (string | undefined | false)[]): string => fac
  * is passed over. Null if it is none.
  */
 export function parse_number(text: string): number | null {
-  const cleaned = text.trim().replace(/,/g, '.').replace(/\u2212/g, '-').replace(/\s*(?:[a-z°%×][a-z°%×\s/]*)$/i, '');
+  const cleaned = text.trim().replace(/,/g, '.').replace(/\u2212/g, '-').replace(/\s*(?:[a-z°%×][a-z°%×²\s/]*)$/i, '');
   if (!/^[-+0-9.*/ e()]+$/i.test(cleaned)) return null;
   const tokens = cleaned.match(/\d+\.?\d*(?:e[-+]?\d+)?|\.\d+|[-+*/]/gi);
   if (!tokens || tokens.join('') !== cleaned.replace(/\s/g, '')) return null;

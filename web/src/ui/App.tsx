@@ -95,6 +95,14 @@ export function App(): ReactElement {
       if (event.repeat && !['play.back', 'play.on', 'edit.undo', 'edit.redo'].includes(command.id)) return;
       command.run();
     };
+    // a click on a button must not take the keyboard from the viewport and the timeline
+    const press = (event: MouseEvent): void => {
+      const button = (event.target as Element | null)?.closest?.('button');
+      if (!button || button.draggable) return;
+      event.preventDefault();
+      const active = document.activeElement as HTMLElement | null;
+      if (is_typing(active)) active?.blur();
+    };
     const before_unload = (event: BeforeUnloadEvent): void => {
       if (session.state.project?.unsaved && session.state.connection === 'lost') event.preventDefault();
     };
@@ -107,11 +115,13 @@ export function App(): ReactElement {
       void session.import_files([...event.dataTransfer.files]);
     };
     window.addEventListener('keydown', down);
+    window.addEventListener('mousedown', press);
     window.addEventListener('beforeunload', before_unload);
     window.addEventListener('dragover', stop_file_drop);
     window.addEventListener('drop', file_drop);
     return () => {
       window.removeEventListener('keydown', down);
+      window.removeEventListener('mousedown', press);
       window.removeEventListener('beforeunload', before_unload);
       window.removeEventListener('dragover', stop_file_drop);
       window.removeEventListener('drop', file_drop);

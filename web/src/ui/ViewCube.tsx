@@ -1,14 +1,24 @@
 import { useEffect, useRef, type ReactElement } from 'react';
 import type { Viewport } from '../view/viewport';
 
-const faces: { name: string; title: string; place: string; azimuth: number; elevation: number }[] = [
-  { name: 'Front', title: 'From the front (+X)', place: 'rotateY(90deg)', azimuth: 0, elevation: 0.02 },
-  { name: 'Back', title: 'From behind (−X)', place: 'rotateY(-90deg)', azimuth: Math.PI, elevation: 0.02 },
-  { name: 'Left', title: 'From its left (+Y)', place: 'rotateX(-90deg) rotateZ(180deg)', azimuth: Math.PI / 2, elevation: 0.02 },
-  { name: 'Right', title: 'From its right (−Y)', place: 'rotateX(90deg)', azimuth: -Math.PI / 2, elevation: 0.02 },
-  { name: 'Top', title: 'From above (+Z)', place: '', azimuth: -Math.PI / 2, elevation: 1.55 },
-  { name: 'Below', title: 'From below (−Z)', place: 'rotateY(180deg)', azimuth: -Math.PI / 2, elevation: -1.45 },
+type V = readonly [number, number, number];
+
+const faces: { name: string; title: string; normal: V; up: V; azimuth: number; elevation: number }[] = [
+  { name: 'Front', title: 'From the front (+X)', normal: [1, 0, 0], up: [0, 0, 1], azimuth: 0, elevation: 0.02 },
+  { name: 'Back', title: 'From behind (−X)', normal: [-1, 0, 0], up: [0, 0, 1], azimuth: Math.PI, elevation: 0.02 },
+  { name: 'Left', title: 'From its left (+Y)', normal: [0, 1, 0], up: [0, 0, 1], azimuth: Math.PI / 2, elevation: 0.02 },
+  { name: 'Right', title: 'From its right (−Y)', normal: [0, -1, 0], up: [0, 0, 1], azimuth: -Math.PI / 2, elevation: 0.02 },
+  { name: 'Top', title: 'From above (+Z)', normal: [0, 0, 1], up: [0, 1, 0], azimuth: -Math.PI / 2, elevation: 1.55 },
+  { name: 'Below', title: 'From below (−Z)', normal: [0, 0, -1], up: [0, 1, 0], azimuth: -Math.PI / 2, elevation: -1.45 },
 ];
+
+/** Style of a face: its right, down and outward directions, with the world's y turned over because a page's y points down. */
+function face_transform({ normal: n, up: u }: { normal: V; up: V }): string {
+  const right: V = [u[1] * n[2] - u[2] * n[1], u[2] * n[0] - u[0] * n[2], u[0] * n[1] - u[1] * n[0]];
+  const columns = [right, [-u[0], -u[1], -u[2]] as const, n].flatMap((v) => [v[0], -v[1], v[2], 0]);
+  return `matrix3d(${[...columns, 0, 0, 0, 1].join(',')}) translateZ(calc(var(--cube) / 2))`;
+}
+
 const axes = [
   { name: 'X', color: 'var(--axis-x)', at: [1, 0, 0] },
   { name: 'Y', color: 'var(--axis-y)', at: [0, 1, 0] },
@@ -33,13 +43,11 @@ export function ViewCube({ viewport }: { viewport: Viewport }): ReactElement {
         const element = axis_elements.current[i];
         if (!element) return;
         const [x, y, z] = axis.at;
-        const sx = 34 * (e[0] * x + e[4] * y + e[8] * z);
-        const sy = -34 * (e[1] * x + e[5] * y + e[9] * z);
+        const sx = 36 * (e[0] * x + e[4] * y + e[8] * z);
+        const sy = -36 * (e[1] * x + e[5] * y + e[9] * z);
         const depth = e[2] * x + e[6] * y + e[10] * z;
         element.style.opacity = depth < -0.15 ? '0.45' : '1';
-        element.querySelector('line')?.setAttribute('x2', sx.toFixed(2));
-        element.querySelector('line')?.setAttribute('y2', sy.toFixed(2));
-        element.querySelector('g')?.setAttribute('transform', `translate(${(sx * 1.0).toFixed(2)} ${(sy * 1.0).toFixed(2)})`);
+        element.setAttribute('transform', `translate(${sx.toFixed(2)} ${sy.toFixed(2)})`);
       });
     };
     draw();
@@ -55,7 +63,7 @@ export function ViewCube({ viewport }: { viewport: Viewport }): ReactElement {
               type="button"
               tabIndex={-1}
               title={face.title}
-              style={{ transform: `${face.place} translateZ(calc(var(--cube) / 2)) scaleY(-1)` }}
+              style={{ transform: face_transform(face) }}
               onClick={() => {
                 viewport.rig.look_from(face.azimuth, face.elevation);
                 viewport.invalidate();
@@ -68,12 +76,9 @@ export function ViewCube({ viewport }: { viewport: Viewport }): ReactElement {
       </div>
       <svg className="axes" viewBox="-44 -44 88 88" aria-hidden="true">
         {axes.map((axis, i) => (
-          <g key={axis.name} ref={(element) => { axis_elements.current[i] = element; }} stroke={axis.color} fill={axis.color}>
-            <line x1="0" y1="0" x2="0" y2="0" strokeWidth="2" strokeLinecap="round" />
-            <g>
-              <circle r="7.500" stroke="none" />
-              <text y="3.600" textAnchor="middle" stroke="none">{axis.name}</text>
-            </g>
+          <g key={axis.name} ref={(element) => { axis_elements.current[i] = element; }} fill={axis.color}>
+            <circle r="6.800" />
+            <text y="3.400" textAnchor="middle">{axis.name}</text>
           </g>
         ))}
       </svg>

@@ -108,6 +108,7 @@ interface TrackProps {
 
 export function Track({ character, view, on_guide, ghost }: TrackProps): ReactElement {
   const selection = useStudio((s) => s.selection);
+  const blends = blend_spans(character.track);
   const state = usePage((s) => s.figure_states[character.id]);
   const library = useStudio((s) => s.library);
   const chosen = selection.kind === 'character' && selection.character === character.id;
@@ -144,12 +145,13 @@ export function Track({ character, view, on_guide, ghost }: TrackProps): ReactEl
               name={entry?.name ?? clip.motion}
               motion_duration={entry?.duration}
               view={view}
+              covered={Math.max(0, ...blends.filter((b) => b.into === clip.id).map((b) => b.to - b.from))}
               selected={selection.kind === 'clip' && selection.clip === clip.id && selection.character === character.id}
               on_guide={on_guide}
             />
           );
         })}
-        {blend_spans(character.track).map((span) => (
+        {blends.map((span) => (
           <svg
             key={span.into}
             className="blend"
@@ -178,11 +180,13 @@ interface ClipBoxProps {
   name: string;
   motion_duration: number | undefined;
   view: TimeView;
+  /** s at its start that an earlier clip shares; its name stands after that. */
+  covered: number;
   selected: boolean;
   on_guide: (time: number | null) => void;
 }
 
-function ClipBox({ character, clip, name, motion_duration, view, selected, on_guide }: ClipBoxProps): ReactElement {
+function ClipBox({ character, clip, name, motion_duration, view, covered, selected, on_guide }: ClipBoxProps): ReactElement {
   const width = Math.max(4, clip.length * view.scale);
 
   const kind_at = (event: React.PointerEvent<HTMLElement>): ClipDragKind => {
@@ -253,7 +257,7 @@ function ClipBox({ character, clip, name, motion_duration, view, selected, on_gu
       {loop_marks.map((x) => (
         <span key={x} className="loop-mark" style={{ left: x }} />
       ))}
-      <span className="clip-name">
+      <span className="clip-name" style={covered > 0 ? { marginLeft: Math.min(covered * view.scale, width / 2) } : undefined}>
         {name}
         {details && <span className="clip-details"> {details}</span>}
       </span>

@@ -29,7 +29,7 @@ export class Floor {
           float grid_line(vec2 p, float period, float pixels) {
             vec2 w = fwidth(p / period);
             vec2 d = abs(fract(p / period - 0.5) - 0.5) / max(w, vec2(1e-6));
-            vec2 l = 1.0 - smoothstep(pixels * 0.5, pixels * 0.5 + 1.0, d);
+            vec2 l = 1.0 - smoothstep(pixels - 0.5, pixels + 0.5, d);
             // lines closer than a few pixels would only flicker
             l *= 1.0 - smoothstep(0.12, 0.35, w);
             return max(l.x, l.y);
@@ -40,13 +40,13 @@ export class Floor {
           `vec2 p = v_world.xy;
           float away = length(p - u_focus.xy);
           float near_fade = 1.0 - smoothstep(0.15 * u_reach, 0.6 * u_reach, away);
-          float lines = 0.55 * grid_line(p, 1.0, 0.6) + 0.45 * grid_line(p, 5.0, 1.0);
+          float lines = 0.6 * grid_line(p, 1.0, 0.55) + 0.4 * grid_line(p, 5.0, 0.75);
           gl_FragColor.rgb = mix(gl_FragColor.rgb, u_line, clamp(lines, 0.0, 1.0) * u_strength * near_fade);
           vec2 axis_w = fwidth(p);
-          float x_axis = 1.0 - smoothstep(0.5, 1.6, abs(p.y) / max(axis_w.y, 1e-6));
-          float y_axis = 1.0 - smoothstep(0.5, 1.6, abs(p.x) / max(axis_w.x, 1e-6));
-          gl_FragColor.rgb = mix(gl_FragColor.rgb, vec3(0.52, 0.13, 0.13), x_axis * 0.55 * near_fade);
-          gl_FragColor.rgb = mix(gl_FragColor.rgb, vec3(0.13, 0.34, 0.15), y_axis * 0.55 * near_fade);
+          float x_axis = 1.0 - smoothstep(0.4, 1.4, abs(p.y) / max(axis_w.y, 1e-6));
+          float y_axis = 1.0 - smoothstep(0.4, 1.4, abs(p.x) / max(axis_w.x, 1e-6));
+          gl_FragColor.rgb = mix(gl_FragColor.rgb, vec3(0.52, 0.13, 0.13), x_axis * 0.45 * near_fade);
+          gl_FragColor.rgb = mix(gl_FragColor.rgb, vec3(0.13, 0.34, 0.15), y_axis * 0.45 * near_fade);
           gl_FragColor.rgb = mix(gl_FragColor.rgb, u_background, smoothstep(0.12 * u_reach, u_reach, away));
           #include <tonemapping_fragment>`,
         );

@@ -285,7 +285,7 @@ export class Viewport {
 
   private readonly tick = (now: number): void => {
     this.handle = requestAnimationFrame(this.tick);
-    const dt = Math.min(0.1, Math.max(0.001, (now - this.last_tick) / 1000));
+    const dt = Math.min(0.4, Math.max(0.001, (now - this.last_tick) / 1000));
     this.last_tick = now;
     if (this.rect.width <= 2) return;
     const frame = this.session.frames.latest;
@@ -308,9 +308,8 @@ export class Viewport {
     this.draw_overlays(frame);
     const { target, distance } = this.rig.current;
     const all = this.bounds(null);
-    const centre = all && distance > 2 ? all.center.clone().lerp(target, 0.5) : target.clone();
-    const spread = all ? all.radius + centre.distanceTo(all.center) + 0.5 : 3;
-    this.stage.focus(centre, spread, distance);
+    const spread = all ? all.radius + target.distanceTo(all.center) + 0.5 : 3;
+    this.stage.focus(target, Math.min(spread, Math.max(2.6, distance * 0.85)), distance);
     this.stage.render(this.rig.camera, still);
     this.pictures++;
     if (!this.framed_once && this.drawn.size > 0 && frame) this.first_view();
@@ -340,6 +339,7 @@ export class Viewport {
       if (!entry) return;
       entry.figure.place(frame, figure);
       entry.figure.group.position.copy(entry.offset);
+      entry.figure.group.updateMatrixWorld(true);
     });
     const text = JSON.stringify(states);
     if (text !== this.shown_states) {

@@ -1,0 +1,211 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { Client, LatestOnly, retry_delay, type ClientHandlers, type SocketLike } from '../src/core/client';
+import { RequestError } from '../src/core/protocol';
+import { Session } from '../src/core/session';
+import { sample_document } from './sample';
+
+class FakeSocket implements SocketLike {
+  binaryType = '';
+  readyState = 0;
+  sent: Record<string, unknown>[] = [];
+  onopen: SocketLike['onopen'] = null;
+  onclose: SocketLike['onclose'] = null;
+  onerror: SocketLike['onerror'] = null;
+  onmessage: SocketLike['onmessage'] = null;
+  send(data: string): void {
+    this.sent.push(JSON.parse(data) as Record<string, unknown>);
+  }
+  close(): void {
+    this.lose();
+  }
+  open(): void {
+    this.readyState = 1;
+    this.onopen?.({});
+  }
+  lose(): void {
+    this.readyState = 3;
+    this.onclose?.({ code: 1006 });
+  }
+  say(message: unknown): void {
+    this.onmessage?.({ data: typeof message === 'string' || message instanceof ArrayBuffer ? message : JSON.stringify(message) });
+  }
+  answer(more: Record<string, unknown> = {}): void {
+    const last = this.sent.at(-1)!;
+    this.say({ reply: last.id, ok: true, ...more });
+  }
+}
+
+const sockets: FakeSocket[] = [];
+const make_socket = (): FakeSocket => {
+  const socket = new FakeSocket();
+  sockets.push(socket);
+  return socket;
+};
+const handlers = () => ({ connected: vi.fn(), disconnected: vi.fn(), event: vi.fn(), frame: vi.fn(), protocol_error: vi.fn() }) satisfies ClientHandlers;
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  sockets.length = 0;
+});
+afterEach(() => vi.useRealTimers());
+
+const hello = () => ({
+  project: { path: 'p.ugoki', name: 'p', unsaved: false },
+  document: sample_document(),
+  revision: 1,
+  can_undo: false,
+  can_redo: false,
+  undo_label: '',
+  redo_label: '',
+  characters: [],
+  transport: { mode: 'edit', playing: false, speed: 1, time: 0, duration: 20, simulated: 0, steps_per_s: 0, realtime_factor: 0, status: '' },
+});
+
+describe('Client', () => {
+  it('says hello when it opens, and again after coming back', async () => {
+    const h = handlers();
+    const client = new Client(make_socket, h);
+    client.connect();
+    sockets[0]!.open();
+    expect(sockets[0]!.sent[0]).toMatchObject({ op: 'hello' });
+    sockets[0]!.answer(hello());
+    await vi.advanceTimersByTimeAsync(0);
+    expect(h.connected).toHaveBeenCalledOnce();
+    sockets[0]!.lose();
+    expect(h.disconnected).toHaveBeenCalledWith(250);
+    await vi.advanceTimersByTimeAsync(250);
+    sockets[1]!.open();
+    sockets[1]!.answer(hello());
+    await vi.advanceTimersByTimeAsync(0);
+    expect(h.connected).toHaveBeenCalledTimes(2);
+  });
+
+  it('waits longer after each failure, up to four seconds', () => {
+    expect([0, 1, 2, 4, 30].map(retry_delay)).toEqual([250, 500, 1000, 4000, 4000]);
+  });
+
+  it('gives each answer to its request, in any order, and the reasons of a refusal', async () => {
+    const client = new Client(make_socket, handlers());
+    client.connect();
+    const socket = sockets[0]!;
+    socket.open();
+    const first = client.request({ op: 'undo' });
+    const second = client.request({ op: 'redo' });
+    const [a, b] = socket.sent.slice(-2);
+    socket.say({ reply: b!.id, ok: false, error: { problems: [{ place: 'track/k1', message: 'No.', remedy: 'Do else.' }] } });
+    socket.say({ reply: a!.id, ok: true, mark: 7 });
+    await expect(first).resolves.toMatchObject({ mark: 7 });
+    await expect(second).rejects.toMatchObject({ problems: [{ place: 'track/k1', message: 'No.', remedy: 'Do else.' }] });
+  });
+
+  it('rejects what was not answered when the connection is lost, and what is asked without one', async () => {
+    const client = new Client(make_socket, handlers());
+    client.connect();
+    sockets[0]!.open();
+    const asked = client.request({ op: 'undo' });
+    sockets[0]!.lose();
+    await expect(asked).rejects.toBeInstanceOf(RequestError);
+    await expect(client.request({ op: 'undo' })).rejects.toThrow(/not connected/);
+    client.close();
+  });
+
+  it('survives nonsense from the wire', () => {
+    const h = handlers();
+    const client = new Client(make_socket, h);
+    client.connect();
+    sockets[0]!.open();
+    sockets[0]!.say('{not json');
+    sockets[0]!.say(new ArrayBuffer(12));
+    sockets[0]!.say({ reply: 999, ok: true });
+    sockets[0]!.say({ event: 'log', level: 'info', text: 'x' });
+    expect(h.protocol_error).toHaveBeenCalledTimes(2);
+    expect(h.event).toHaveBeenCalledOnce();
+  });
+});
+
+describe('LatestOnly', () => {
+  it('sends the first and the last of a burst', async () => {
+    const sent: number[] = [];
+    const pending: (() => void)[] = [];
+    const latest = new LatestOnly<number>((v) => {
+      sent.push(v);
+      return new Promise<void>((resolve) => pending.push(resolve));
+    }, () => undefined);
+    for (const v of [1, 2, 3, 4]) latest.offer(v);
+    expect(sent).toEqual([1]);
+    pending.shift()!();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(sent).toEqual([1, 4]);
+  });
+});
+
+describe('Session', () => {
+  const start = async () => {
+    const session = new Session({ make_socket, fetch: () => Promise.resolve(new Response('{"entries": []}')) });
+    session.start();
+    const socket = sockets[0]!;
+    socket.open();
+    socket.answer(hello());
+    await vi.advanceTimersByTimeAsync(0);
+    return { session, socket };
+  };
+
+  it('shows an edit at once and takes the service’s document when it comes', async () => {
+    const { session, socket } = await start();
+    const done = session.edit({ type: 'clip.set', character: 'human', id: 'k1', start: 0.5 });
+    expect(session.state.preview?.characters[0]?.track[0]?.start).toBe(0.5);
+    expect(session.state.document?.characters[0]?.track[0]?.start).toBe(1);
+    socket.answer();
+    expect(await done).toBe(true);
+    const changed = session.state.preview!;
+    socket.say({ event: 'document', ...hello(), document: changed, revision: 2, unsaved: true, can_undo: true, undo_label: 'Move clip' });
+    expect(session.state.preview).toBeNull();
+    expect(session.state).toMatchObject({ can_undo: true, undo_label: 'Move clip', document: changed });
+    expect(session.state.project?.unsaved).toBe(true);
+  });
+
+  it('takes a refused edit back and says why', async () => {
+    const { session, socket } = await start();
+    const done = session.edit({ type: 'clip.set', character: 'human', id: 'k1', speed: -1 });
+    socket.say({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ place: 'characters/0/track/0/speed', message: 'Too slow.', remedy: 'Above 0.' }] } });
+    expect(await done).toBe(false);
+    expect(session.state.preview).toBeNull();
+    expect(session.state.toasts.at(-1)?.problems[0]).toMatchObject({ message: 'Too slow.', remedy: 'Above 0.' });
+    expect(session.state.log.at(-1)?.text).toContain('characters/0/track/0/speed');
+  });
+
+  it('a preview sends nothing', async () => {
+    const { session, socket } = await start();
+    const sent = socket.sent.length;
+    session.show_preview({ ...sample_document(), duration: 3 });
+    session.show_preview(null);
+    expect(socket.sent.length).toBe(sent);
+  });
+
+  it('scrubbing sends as many seeks as are answered', async () => {
+    const { session, socket } = await start();
+    for (let t = 0; t < 50; t++) session.seek(t / 10);
+    const seeks = () => socket.sent.filter((m) => m.op === 'seek').map((m) => m.time);
+    expect(seeks()).toEqual([0]);
+    socket.answer();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(seeks()).toEqual([0, 4.9]);
+    expect(session.state.transport.time).toBe(4.9);
+  });
+
+  it('drops a selection whose clip was deleted', async () => {
+    const { session, socket } = await start();
+    session.select({ kind: 'clip', character: 'human', clip: 'k1' });
+    const document = sample_document();
+    document.characters[0]!.track.shift();
+    socket.say({ event: 'document', ...hello(), document, revision: 2, unsaved: true });
+    expect(session.state.selection).toEqual({ kind: 'character', character: 'human' });
+  });
+
+  it('says that it lost the service and when it tries again', async () => {
+    const { session, socket } = await start();
+    socket.lose();
+    expect(session.state.connection).toBe('lost');
+    expect(session.state.retry_at).toBe(Date.now() + 250);
+  });
+});

@@ -1,0 +1,73 @@
+import { describe, expect, it } from 'vitest';
+import { apply_command, blend_spans, content_end, find_character, find_clip, track_end } from '../src/core/document';
+import { lay_out_circuit, pin_hue } from '../src/core/circuit_layout';
+import { valid_selection } from '../src/core/state';
+import { sample_document } from './sample';
+
+describe('apply_command', () => {
+  it('never changes the document that it is given', () => {
+    const doc = sample_document();
+    const before = structuredClone(doc);
+    apply_command(doc, { type: 'clip.set', character: 'human', id: 'k1', start: 9 });
+    apply_command(doc, { type: 'character.set', id: 'human', place: { x: 3 } });
+    apply_command(doc, { type: 'event.set', id: 'e1', event: { time: 1 } });
+    apply_command(doc, { type: 'clip.remove', character: 'human', id: 'k1' });
+    expect(doc).toEqual(before);
+  });
+  it('merges place and control and leaves the rest', () => {
+    const doc = apply_command(sample_document(), { type: 'character.set', id: 'dog', place: { heading: 90 }, control: { tracking: 0.4 } });
+    const dog = find_character(doc, 'dog')!;
+    expect(dog.place).toEqual({ x: 0, y: 1, z: 0, heading: 90 });
+    expect(dog.control).toMatchObject({ tracking: 0.4, balance: 1 });
+    expect(dog).not.toHaveProperty('type');
+  });
+  it('sets fields of a clip without its address', () => {
+    const doc = apply_command(sample_document(), { type: 'clip.set', character: 'human', id: 'k2', speed: 2 });
+    expect(find_clip(doc, 'human', 'k2')).toEqual({ id: 'k2', motion: 'n-1', start: 3, length: 2, offset: 0, speed: 2, blend: 0.3, loop: false });
+  });
+  it('does a group in order', () => {
+    const doc = apply_command(sample_document(), {
+      type: 'group',
+      label: 'both',
+      commands: [
+        { type: 'event.remove', id: 'e1' },
+        { type: 'scenario.set', duration: 8 },
+        { type: 'character.remove', id: 'dog' },
+      ],
+    });
+    expect([doc.events.length, doc.duration, doc.characters.length]).toEqual([0, 8, 1]);
+  });
+});
+
+describe('reading a document', () => {
+  it('finds overlaps', () => {
+    expect(blend_spans(sample_document().characters[0]!.track)).toEqual([{ from: 3, to: expect.closeTo(3.2), into: 'k2' }]);
+  });
+  it('knows where content ends', () => {
+    expect(content_end(sample_document())).toBe(5);
+    expect(track_end(sample_document().characters[1]!)).toBe(0);
+  });
+  it('a selection outlives what it names only as far as that exists', () => {
+    const doc = sample_document();
+    expect(valid_selection({ kind: 'clip', character: 'human', clip: 'gone' }, doc)).toEqual({ kind: 'character', character: 'human' });
+    expect(valid_selection({ kind: 'event', event: 'gone' }, doc)).toEqual({ kind: 'none' });
+    expect(valid_selection({ kind: 'clip', character: 'human', clip: 'k1' }, doc).kind).toBe('clip');
+  });
+});
+
+describe('the circuit as a diagram', () => {
+  const layout = lay_out_circuit({
+    lsis: [{ id: 'a', type: 'A' }, { id: 'b', type: 'B' }, { id: 'c', type: 'C' }],
+    wires: [{ from: 'a.state', to: 'b.state' }, { from: ['b', 'contacts'], to: ['c', 'contacts'] }, { from: 'c.out', to: 'a.in' }, { from: 'x.y', to: 'a.in' }],
+  });
+  it('runs from left to right even around a loop', () => {
+    const x = Object.fromEntries(layout.boxes.map((b) => [b.id, b.x]));
+    expect(new Set(Object.values(x)).size).toBe(3);
+    expect(layout.wires.length).toBe(3);
+  });
+  it('colours pins by what they carry', () => {
+    expect(pin_hue('contacts')).toBe('contacts');
+    expect(pin_hue('joint torques')).toBe('joints');
+    expect(pin_hue('whatever')).toBe('any');
+  });
+});

@@ -1,0 +1,90 @@
+import { describe, expect, it } from 'vitest';
+import type { Clip } from '../src/core/document';
+import { changed_fields, drag_clip, fit_view, pan_by, ruler_steps, snap_delta, snap_targets, time_to_x, x_to_time, zoom_at, type SnapRules } from '../src/core/timeline';
+import { sample_document } from './sample';
+
+const clip: Clip = { id: 'k', motion: 'n', start: 1, length: 2, offset: 0.5, speed: 1, blend: 0.3, loop: false };
+const rules = (more: Partial<SnapRules> = {}): SnapRules => ({ targets: [], tolerance: 0.1, frame_rate: 60, enabled: true, ...more });
+
+describe('view', () => {
+  it('keeps the time under the cursor when it zooms', () => {
+    const view = { origin: 2, scale: 50 };
+    const at = x_to_time(view, 300);
+    for (const factor of [0.9, 1.1, 4]) expect(x_to_time(zoom_at(view, 300, factor), 300)).toBeCloseTo(at, 9);
+  });
+  it('does not zoom or pan out of reach', () => {
+    expect(zoom_at({ origin: 0, scale: 50 }, 0, 1e-9).scale).toBe(4);
+    expect(zoom_at({ origin: 0, scale: 50 }, 0, 1e9).scale).toBe(2400);
+    expect(time_to_x(pan_by({ origin: 0, scale: 50 }, -1e6), 0)).toBeCloseTo(24);
+  });
+  it('fits the whole duration', () => {
+    const view = fit_view(12, 1000);
+    expect(time_to_x(view, 0)).toBeGreaterThanOrEqual(0);
+    expect(time_to_x(view, 12)).toBeLessThanOrEqual(1000);
+  });
+  it('labels stay apart at every scale', () => {
+    for (let scale = 4; scale < 2400; scale *= 1.3) {
+      const { label, tick } = ruler_steps(scale, 60);
+      expect(label * scale).toBeGreaterThanOrEqual(84);
+      expect(Math.abs(label / tick - Math.round(label / tick))).toBeLessThan(1e-9);
+    }
+  });
+});
+
+describe('snapping', () => {
+  it('meets the nearest target within the tolerance with any edge', () => {
+    expect(snap_delta([1, 3], 0.43, rules({ targets: [3.5, 1.4] }))).toEqual({ delta: expect.closeTo(0.4), at: 1.4 });
+    expect(snap_delta([1, 3], 0.48, rules({ targets: [3.5] }))).toEqual({ delta: 0.5, at: 3.5 });
+  });
+  it('else falls on a frame', () => {
+    const { delta, at } = snap_delta([1], 0.123, rules());
+    expect(((1 + delta) * 60) % 1).toBeCloseTo(0, 9);
+    expect(at).toBeNull();
+  });
+  it('is off when turned over', () => {
+    expect(snap_delta([1], 0.1234, rules({ enabled: false, targets: [1.12] })).delta).toBeCloseTo(0.1234, 3);
+  });
+  it('targets are edges, events, ends and the playhead, without the dragged thing', () => {
+    const targets = snap_targets(sample_document(), 'k1', 2.5);
+    expect(targets).toContain(2.5);
+    expect(targets).toContain(3.4);
+    expect(targets).toContain(5);
+    expect(targets).not.toContain(1);
+  });
+});
+
+describe('dragging a clip', () => {
+  it('moves, never before 0', () => {
+    expect(drag_clip(clip, 'move', 0.5, rules(), 3).fields).toEqual({ start: 1.5 });
+    expect(drag_clip(clip, 'move', -9, rules(), 3).fields).toEqual({ start: 0 });
+  });
+  it('trims the start so that the motion under the rest stays where it was', () => {
+    const { fields } = drag_clip({ ...clip, speed: 2 }, 'trim_start', 0.5, rules(), 9);
+    expect(fields).toEqual({ start: 1.5, length: 1.5, offset: 1.5 });
+  });
+  it('uncovers no more than the motion has', () => {
+    expect(drag_clip(clip, 'trim_start', -0.9, rules(), 3).fields).toEqual({ start: 0.5, length: 2.5, offset: 0 });
+    expect(drag_clip(clip, 'trim_end', 9, rules(), 3).fields).toEqual({ length: 2.5 });
+    expect(drag_clip({ ...clip, loop: true }, 'trim_end', 9, rules(), 3).fields).toEqual({ length: 11 });
+  });
+  it('keeps at least one frame', () => {
+    expect(drag_clip(clip, 'trim_end', -9, rules(), 3).fields.length).toBeCloseTo(1 / 60, 5);
+    expect(drag_clip(clip, 'trim_start', 9, rules(), 3).fields.length).toBeCloseTo(1 / 60, 5);
+  });
+  it('stretches: the same motion in another time', () => {
+    const { fields } = drag_clip(clip, 'stretch', 2, rules(), 3);
+    expect(fields).toEqual({ length: 4, speed: 0.5 });
+  });
+  it('slips the motion under the clip, within the motion', () => {
+    expect(drag_clip(clip, 'slip', 0.25, rules(), 3).fields).toEqual({ offset: 0.25 });
+    expect(drag_clip(clip, 'slip', 5, rules(), 3).fields).toEqual({ offset: 0 });
+    expect(drag_clip(clip, 'slip', -5, rules(), 3).fields).toEqual({ offset: 1 });
+  });
+  it('a looping clip trimmed at its start stays within the motion', () => {
+    const { fields } = drag_clip({ ...clip, loop: true, start: 5 }, 'trim_start', -1, rules(), 3);
+    expect(fields).toEqual({ start: 4, length: 3, offset: 2.5 });
+  });
+  it('a drag that ended where it began changes nothing', () => {
+    expect(changed_fields(clip, drag_clip(clip, 'move', 0, rules(), 3).fields)).toBeNull();
+  });
+});
