@@ -1,13 +1,14 @@
 #include "ugoki/content/default_circuit.h"
 
-#include "ugoki/circuit/circuit.h"
+#include "ugoki/lsi/execution_circuit.h"
 
 namespace ugoki::content {
 
 std::string default_circuit(const Scenario& scenario) {
-  circuit::Circuit c;
-  c.name = scenario.name;
-  return circuit::write_circuit(c);
+  std::vector<lsi::CircuitCharacter> characters;
+  for (const ScenarioCharacter& c : scenario.characters)
+    characters.push_back({c.id, c.control.mode == ControlMode::track && !c.track.empty(), c.control.tracking, c.control.balance, c.control.assist_limit});
+  return circuit::write_circuit(lsi::make_execution_circuit(characters, scenario.step));
 }
 
 }  // namespace ugoki::content

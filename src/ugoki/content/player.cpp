@@ -1,0 +1,344 @@
+#include "ugoki/content/player.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/hash.h"
+#include "ugoki/content/generate.h"
+#include "ugoki/lsi/standard_library.h"
+#include "ugoki/lsi/track_sampler.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::content {
+
+using circuit::PinTypeId;
+using circuit::PinView;
+using lsi::EventKind;
+using lsi::EventRecord;
+
+struct Player::Machine {
+  Executable content;
+  std::unique_ptr<lsi::World> world;
+  std::unique_ptr<circuit::Interpreter> interpreter;
+  PinView state, contacts, events, poses, figures, measures;
+  std::span<std::byte> live;
+  std::vector<PlayerInput> inputs;      // given so far
+  std::vector<PlayerInput> scheduled;   // by step
+  std::size_t next_scheduled = 0;
+  bool displayed = false;               // display has run since the last step
+
+  [[nodiscard]] bool is_link(int character, int link) const {
+    return character >= 0 && character < static_cast<int>(world->characters().size()) && link >= 0 &&
+           link < world->characters()[static_cast<std::size_t>(character)].mechanism->link_count();
+  }
+  void give(const EventRecord& record);
+  void give_scheduled();
+  void refresh();
+};
+
+namespace {
+
+constexpr std::size_t most_live = 32;  // records in an event payload
+
+lsi::World make_world(const Executable& content) {
+  std::vector<lsi::CharacterSpec> characters;
+  for (const ExecutableCharacter& c : content.characters) {
+    lsi::CharacterSpec spec;
+    spec.id = c.id;
+    spec.mechanism = content.mechanisms[static_cast<std::size_t>(c.mechanism)];
+    spec.q0 = c.q0;
+    if (c.control.mode == ControlMode::track)
+      for (const ExecutableClip& clip : c.track) spec.track.push_back({clip.clip, content.motions[static_cast<std::size_t>(clip.motion)]});
+    characters.push_back(std::move(spec));
+  }
+  std::vector<lsi::ScheduledEvent> events;
+  for (const ExecutableEvent& e : content.events) {
+    lsi::ScheduledEvent event;
+    event.record.character = static_cast<std::uint32_t>(e.character);
+    event.record.link = e.link;
+    event.time = e.time;
+    event.duration = e.duration;
+    if (e.type == EventType::push) {
+      event.record.kind = EventKind::push;
+      event.record.a = e.force;
+    } else {
+      event.record.kind = EventKind::throwing;
+      event.record.a = e.from;
+      event.record.b = e.velocity;
+      event.record.c = e.spin;
+    }
+    events.push_back(event);
+  }
+  return lsi::World(std::move(characters), std::move(events), content.gravity, {content.ground.height, content.ground.friction, content.ground.restitution});
+}
+
+/// The circuit's output that the player needs, of this type and size.
+PinView find_pin(const circuit::Interpreter& interpreter, const char* name, PinTypeId type, std::uint32_t count, Error& problems) {
+  const auto view = interpreter.find_circuit_output(name);
+  if (view && view->type == type && view->count == count) return *view;
+  const std::string wanted = "'" + std::string(name) + "' (" + std::string(circuit::pin_type(type).name) + ")";
+  problems.add(ErrorCode::structure, "circuit/outputs",
+               view ? "The circuit's output " + wanted + " does not have the form that the player needs." : "The circuit has no output " + wanted + ".",
+               "Give it the outputs of the default circuit: see docs/circuit.md.");
+  return {};
+}
+
+}  // namespace
+
+Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view name) {
+  Result<Executable> content = read_executable(ugx, name);
+  if (!content) return fail(std::move(content.error()));
+  auto machine = std::make_unique<Machine>();
+  Machine& m = *machine;
+  m.content = std::move(*content);
+  Result<circuit::Circuit> circuit = circuit::read_circuit(m.content.circuit, std::string(name) + ", section circuit");
+  if (!circuit) return fail(std::move(circuit.error()));
+  m.world = std::make_unique<lsi::World>(make_world(m.content));
+  Result<circuit::Interpreter> interpreter = circuit::Interpreter::build(*circuit, lsi::standard_library(), m.world.get(), {.dt = m.content.step, .check_finite = true});
+  if (!interpreter) return fail(std::move(interpreter.error()));
+  m.interpreter = std::make_unique<circuit::Interpreter>(std::move(*interpreter));
+
+  Error problems;
+  const std::size_t people = m.world->characters().size();
+  const circuit::Interpreter& i = *m.interpreter;
+  m.state = find_pin(i, "state", PinTypeId::state, m.world->state_count(), problems);
+  m.contacts = find_pin(i, "contacts", PinTypeId::contacts, m.world->contact_capacity(), problems);
+  m.events = find_pin(i, "events", PinTypeId::event, circuit::pin_type(PinTypeId::event).default_count, problems);
+  m.poses = find_pin(i, "poses", PinTypeId::pose, lsi::World::payload_count(m.world->link_count()), problems);
+  m.figures = find_pin(i, "figures", PinTypeId::joint_values, lsi::World::payload_count(people * lsi::figure_count), problems);
+  m.measures = find_pin(i, "measures", PinTypeId::joint_values, lsi::World::payload_count(people * lsi::measure_count), problems);
+  m.live = m.interpreter->find_circuit_input("live");
+  if (m.live.size() != sizeof(std::uint64_t) + most_live * sizeof(EventRecord))
+    problems.add(ErrorCode::structure, "circuit/inputs", "The circuit has no input 'live' (event).", "Give it the input of the default circuit: see docs/circuit.md.");
+  if (!problems.empty()) return fail(std::move(problems));
+  m.inputs.reserve(1024);
+  return Player(std::move(machine));
+}
+
+Player::Player(std::unique_ptr<Machine> machine) : machine_(std::move(machine)) {}
+Player::Player(Player&&) noexcept = default;
+Player& Player::operator=(Player&&) noexcept = default;
+Player::~Player() = default;
+
+const Executable& Player::content() const { return machine_->content; }
+const lsi::World& Player::world() const { return *machine_->world; }
+double Player::step_size() const { return machine_->content.step; }
+std::uint64_t Player::step_count() const { return machine_->interpreter->ticks(); }
+double Player::time() const { return machine_->interpreter->time(); }
+const std::vector<PlayerInput>& Player::inputs() const { return machine_->inputs; }
+circuit::Interpreter& Player::interpreter() { return *machine_->interpreter; }
+
+void Player::Machine::give(const EventRecord& record) {
+  const std::uint64_t step = interpreter->ticks();
+  std::size_t count = lsi::records<EventRecord>(live.data()).size();
+  EventRecord* room = lsi::record_room<EventRecord>(live.data());
+  // Dragging between two steps: the last place counts.
+  const bool again = record.kind == EventKind::drag && count > 0 && room[count - 1].kind == EventKind::drag;
+  if (again) {
+    --count;
+    inputs.pop_back();
+  }
+  if (count == most_live) return;
+  room[count] = record;
+  lsi::set_count(live.data(), count + 1);
+  inputs.push_back({step, record});
+}
+
+void Player::Machine::give_scheduled() {
+  while (next_scheduled < scheduled.size() && scheduled[next_scheduled].step <= interpreter->ticks()) {
+    if (scheduled[next_scheduled].step == interpreter->ticks()) give(scheduled[next_scheduled].record);
+    ++next_scheduled;
+  }
+}
+
+Result<void> Player::step() {
+  Machine& m = *machine_;
+  m.give_scheduled();
+  const bool good = m.interpreter->tick();
+  m.displayed = false;
+  if (!good) {
+    const circuit::Stop& stop = *m.interpreter->stopped();
+    return fail(ErrorCode::range, stop.lsi, stop.text(), "Go back to an earlier moment, or make the step shorter.");
+  }
+  lsi::set_count(m.live.data(), 0);
+  return {};
+}
+
+void Player::reset() {
+  machine_->interpreter->reset();
+  machine_->inputs.clear();
+  machine_->next_scheduled = 0;
+  machine_->displayed = false;
+}
+
+void Player::push(int character, int link, const Vec3& force, double duration) {
+  if (!machine_->is_link(character, link) || !is_finite(force) || !(duration > 0) || !std::isfinite(duration)) return;
+  EventRecord e;
+  e.kind = EventKind::push;
+  e.character = static_cast<std::uint32_t>(character);
+  e.link = link;
+  e.a = force;
+  e.duration = duration;
+  machine_->give(e);
+}
+
+void Player::grab(int character, int link, const Vec3& point, const Vec3& target) {
+  if (!machine_->is_link(character, link) || !is_finite(point) || !is_finite(target)) return;
+  EventRecord e;
+  e.kind = EventKind::grab;
+  e.character = static_cast<std::uint32_t>(character);
+  e.link = link;
+  e.a = point;
+  e.b = target;
+  machine_->give(e);
+}
+
+void Player::drag(const Vec3& target) {
+  if (!is_finite(target)) return;
+  EventRecord e;
+  e.kind = EventKind::drag;
+  e.b = target;
+  machine_->give(e);
+}
+
+void Player::release() {
+  EventRecord e;
+  e.kind = EventKind::release;
+  machine_->give(e);
+}
+
+void Player::throw_from(int character, const Vec3& from, const Vec3& velocity, const Vec3& spin) {
+  if (!machine_->is_link(character, 0) || !is_finite(from) || !is_finite(velocity) || !is_finite(spin)) return;
+  EventRecord e;
+  e.kind = EventKind::throwing;
+  e.character = static_cast<std::uint32_t>(character);
+  e.a = from;
+  e.b = velocity;
+  e.c = spin;
+  machine_->give(e);
+}
+
+void Player::schedule(std::vector<PlayerInput> inputs) {
+  std::vector<std::pair<std::uint64_t, std::size_t>> order;  // by step; inputs of one step as they come
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const EventRecord& e = inputs[i].record;
+    const bool about_nobody = e.kind == EventKind::drag || e.kind == EventKind::release;
+    if (about_nobody || machine_->is_link(static_cast<int>(e.character), e.link)) order.emplace_back(inputs[i].step, i);
+  }
+  std::sort(order.begin(), order.end());
+  machine_->scheduled.clear();
+  for (const auto& [step, i] : order) machine_->scheduled.push_back(inputs[i]);
+  machine_->next_scheduled = 0;
+}
+
+std::uint64_t Player::state_hash() const {
+  Hash64 hash;
+  hash.add(machine_->state.numbers().first(machine_->world->state_size()));
+  return hash.value();
+}
+
+std::span<const double> Player::q(int character) const { return lsi::q_of(machine_->world->characters()[static_cast<std::size_t>(character)], machine_->state.numbers().data()); }
+std::span<const double> Player::v(int character) const { return lsi::v_of(machine_->world->characters()[static_cast<std::size_t>(character)], machine_->state.numbers().data()); }
+
+void Player::save(std::vector<std::byte>& bytes) { machine_->interpreter->save(bytes); }
+
+Result<void> Player::restore(std::span<const std::byte> bytes) {
+  Machine& m = *machine_;
+  if (Result<void> done = m.interpreter->restore(bytes); !done) return done;
+  const std::uint64_t now = m.interpreter->ticks();
+  std::erase_if(m.inputs, [&](const PlayerInput& i) { return i.step >= now; });
+  for (const EventRecord& e : lsi::records<EventRecord>(m.live.data())) m.inputs.push_back({now, e});  // given, not yet acted
+  m.next_scheduled = 0;
+  m.displayed = false;
+  return {};
+}
+
+void Player::Machine::refresh() {
+  if (displayed) return;
+  interpreter->refresh();
+  displayed = true;
+}
+
+void Player::display_frame(DisplayFrame& frame) {
+  Machine& m = *machine_;
+  m.refresh();
+  const double* x = m.poses.numbers().data();
+  const double* figure = m.figures.numbers().data();
+  frame.time = time();
+  frame.characters.resize(m.world->characters().size());
+  for (std::size_t i = 0; i < frame.characters.size(); ++i, figure += lsi::figure_count) {
+    DisplayCharacter& c = frame.characters[i];
+    c.state = static_cast<FigureState>(static_cast<std::uint32_t>(figure[lsi::figure_state]));
+    c.assist_force = {figure[lsi::figure_force], figure[lsi::figure_force + 1], figure[lsi::figure_force + 2]};
+    c.assist_moment = {figure[lsi::figure_moment], figure[lsi::figure_moment + 1], figure[lsi::figure_moment + 2]};
+    c.assist_ratio = figure[lsi::figure_ratio];
+    c.weight = figure[lsi::figure_weight];
+    c.centre_of_mass = {figure[lsi::figure_centre], figure[lsi::figure_centre + 1], figure[lsi::figure_centre + 2]};
+    c.links.resize(static_cast<std::size_t>(m.world->characters()[i].mechanism->link_count()));
+    for (DisplayPose& pose : c.links) {
+      pose = {{x[0], x[1], x[2]}, {x[3], x[4], x[5], x[6]}};
+      x += 7;
+    }
+  }
+  frame.contacts.clear();
+  for (const lsi::ContactRecord& c : lsi::records<lsi::ContactRecord>(m.contacts.bytes.data()))
+    if (norm(c.force) > 1e-9) frame.contacts.push_back({c.point.p, c.force, c.point.system_a, c.point.link_a});
+  frame.grabbed = false;
+  for (const EventRecord& e : lsi::records<EventRecord>(m.events.bytes.data())) {
+    if (e.kind != EventKind::grab) continue;
+    const DisplayPose& link = frame.characters[e.character].links[static_cast<std::size_t>(e.link)];
+    frame.grabbed = true;
+    frame.grab_point = link.p + rotate(link.r, e.a);
+    frame.grab_target = e.b;
+  }
+}
+
+void Player::pose_at(double time, DisplayFrame& frame) const {
+  const Machine& m = *machine_;
+  frame.time = time;
+  frame.grabbed = false;
+  frame.contacts.clear();
+  frame.characters.resize(m.world->characters().size());
+  for (std::size_t i = 0; i < frame.characters.size(); ++i) {
+    const lsi::Character& who = m.world->characters()[i];
+    const Mechanism& mechanism = *who.mechanism;
+    std::vector<double> q = who.q0;
+    if (who.track) {
+      std::vector<double> reference(who.track->layout().size());
+      who.track->sample(time, reference);
+      std::copy_n(reference.begin(), q.size(), q.begin());
+    }
+    std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
+    calc_poses(mechanism, q, X);
+    DisplayCharacter& c = frame.characters[i];
+    c = DisplayCharacter{};
+    c.state = FigureState::edit;
+    c.weight = mechanism.mass() * norm(m.world->gravity());
+    c.centre_of_mass = centre_of_mass(mechanism, X);
+    for (const Pose& pose : X) c.links.push_back({pose.p, to_quat(pose.R)});
+  }
+}
+
+PlayerMeasures Player::measures(int character) {
+  PlayerMeasures out;
+  machine_->refresh();
+  const double* x = machine_->measures.numbers().data() + static_cast<std::size_t>(character) * lsi::measure_count;
+  out.tracking_rms_deg = x[lsi::measure_tracking];
+  out.assist_rms_bw = x[lsi::measure_assist];
+  out.assist_force_rms_bw = x[lsi::measure_assist_force];
+  out.assist_max_bw = x[lsi::measure_assist_max];
+  out.foot_skate_cm = x[lsi::measure_skate];
+  out.foot_skate_worst_cm = x[lsi::measure_skate_worst];
+  out.penetration_mm = x[lsi::measure_penetration];
+  out.penetration_rms_mm = x[lsi::measure_penetration_rms];
+  out.fell = x[lsi::measure_fell] > 0;
+  out.let_go_time = x[lsi::measure_let_go_time];
+  out.feet_on_ground = static_cast<int>(x[lsi::measure_feet]);
+  return out;
+}
+
+int Player::find_link(int character, std::string_view name) const {
+  return content::find_link(*machine_->world->characters()[static_cast<std::size_t>(character)].mechanism, name);
+}
+
+}  // namespace ugoki::content

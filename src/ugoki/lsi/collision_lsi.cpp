@@ -1,0 +1,73 @@
+// Collision analysis: contact points of everything with everything.
+
+#include <algorithm>
+
+#include "ugoki/collision/scene.h"
+#include "ugoki/lsi/declare.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::lsi {
+namespace {
+
+struct Collision {
+  const World* world;
+  collision::Scene scene;
+  collision::Workspace workspace;
+  std::vector<std::vector<Pose>> poses;           // [characters][links]
+  std::vector<std::span<const Pose>> views;
+  std::vector<collision::ContactPoint> contacts;
+  double margin;
+};
+
+std::int32_t step(const Call* call) {
+  auto& self = object_of<Collision>(call);
+  for (const Character& c : self.world->characters()) calc_poses(*c.mechanism, q_of(c, circuit::input(call, 0)), self.poses[static_cast<std::size_t>(c.index)]);
+  collision::find_contacts(self.scene, self.views, self.margin, self.workspace, self.contacts);
+  const std::size_t room = call->out_count[0];
+  if (self.contacts.size() > room) {  // the nearest ones, in an order that depends on nothing else
+    std::sort(self.contacts.begin(), self.contacts.end(), [](const auto& a, const auto& b) { return a.distance != b.distance ? a.distance < b.distance : a.key < b.key; });
+    self.contacts.resize(room);
+  }
+  auto* out = record_room<ContactRecord>(call->out[0]);
+  for (std::size_t i = 0; i < self.contacts.size(); ++i) out[i] = {self.contacts[i], {}, 0};
+  set_count(call->out[0], self.contacts.size());
+  return 0;
+}
+
+void* make(Setup& s) {
+  const World* world = world_of(s);
+  collision::SceneOptions options;
+  options.self_collision = s.boolean("self-collision");
+  auto* self = new Collision{world, collision::Scene(world->mechanisms(), world->ground(), options), {}, {}, {}, {}, s.number("margin")};
+  self->workspace = collision::Workspace(self->scene);
+  for (const Character& c : world->characters()) self->poses.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
+  for (const auto& p : self->poses) self->views.emplace_back(p);
+  self->contacts.reserve(2 * std::size_t{world->contact_capacity()});
+  return self;
+}
+
+}  // namespace
+
+void add_collision(circuit::Library& library) {
+  circuit::LsiClass c;
+  c.name = "collision analysis";
+  c.doc = "Finds where links touch the ground, other characters and, if wanted, themselves, and where they soon will.";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now.")};
+  c.outputs = {output_pin("contacts", PinTypeId::contacts, "", "Contact points, without forces.")};
+  circuit::Parameter self_collision;
+  self_collision.name = "self-collision";
+  self_collision.kind = circuit::ParameterKind::boolean;
+  self_collision.initial = false;
+  self_collision.doc = "Links of one character collide with each other.";
+  self_collision.live = false;
+  c.parameters = {number_parameter("margin", 0.02, 0, 1, "m", "Points nearer than this are given."), self_collision};
+  c.configure = [](Setup& s) {
+    if (const World* world = world_of(s)) s.set_out(0, world->contact_capacity());
+  };
+  c.make = make;
+  c.destroy = destroy<Collision>;
+  c.step = step;
+  library.add(std::move(c));
+}
+
+}  // namespace ugoki::lsi

@@ -1,0 +1,47 @@
+#pragma once
+// Short ways to write the declarations of this module's LSIs.
+
+#include <string>
+#include <utility>
+
+#include "ugoki/circuit/library.h"
+#include "ugoki/circuit/setup.h"
+#include "ugoki/lsi/world.h"
+
+namespace ugoki::lsi {
+
+using circuit::Call;
+using circuit::PinTypeId;
+using circuit::Setup;
+
+[[nodiscard]] circuit::InputPin input_pin(std::string name, PinTypeId type, std::string unit, std::string doc);
+[[nodiscard]] circuit::OutputPin output_pin(std::string name, PinTypeId type, std::string unit, std::string doc);
+[[nodiscard]] circuit::Parameter number_parameter(std::string name, double initial, double minimum, double maximum, std::string unit, std::string doc);
+/// The parameter `character`, by which an LSI knows whom it is about.
+[[nodiscard]] circuit::Parameter character_parameter();
+
+[[nodiscard]] const World* world_of(Setup& setup);
+[[nodiscard]] const Character* character_of(Setup& setup);
+/// Refuses a payload that is about another character.
+void check_subject(Setup& setup, std::size_t pin, const std::string& pin_name, const Character& character);
+
+template <class T>
+void destroy(void* object) {
+  delete static_cast<T*>(object);
+}
+template <class T>
+T& object_of(const Call* call) {
+  return *static_cast<T*>(call->object);
+}
+
+void add_event(circuit::Library& library);
+void add_retrieval(circuit::Library& library);
+void add_interpolation(circuit::Library& library);
+void add_control(circuit::Library& library);
+void add_collision(circuit::Library& library);
+void add_dynamics(circuit::Library& library);
+void add_status(circuit::Library& library);
+void add_naturalness(circuit::Library& library);
+void add_display(circuit::Library& library);
+
+}  // namespace ugoki::lsi

@@ -1,0 +1,170 @@
+// General-purpose dynamics: one step of all characters with contact, friction, limits, torques and what happens to them.
+
+#include "ugoki/contact/stepper.h"
+#include "ugoki/lsi/declare.h"
+#include "ugoki/lsi/pull.h"
+
+namespace ugoki::lsi {
+namespace {
+
+using contact::Stepper;
+
+enum Input : std::size_t { in_state, in_contacts, in_events, in_torque };
+
+struct Dynamics {
+  const World* world;
+  Stepper stepper;
+  std::vector<dynamics::Workspace> scratch;         // [characters] for pulls
+  std::vector<std::vector<Vec6>> external;          // [characters][links]
+  std::vector<std::vector<double>> no_torque;       // [characters][nv]
+  std::vector<int> torque_wire;                     // [characters] -1: none
+  std::vector<collision::ContactPoint> contacts;
+  std::vector<contact::StepSystem> systems;
+};
+
+/// The stepper's warm start as plain bytes.
+struct WarmState {
+  std::uint64_t count;
+  Stepper::Warm first;  // more follow
+};
+std::size_t warm_capacity(const World& world) {
+  std::size_t n = world.contact_capacity();
+  for (const Character& c : world.characters()) n += 3 * static_cast<std::size_t>(c.mechanism->nv());
+  return n;
+}
+
+void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
+  self.external[e.character][static_cast<std::size_t>(e.link)] += Vec6{cross(p, force), force};
+}
+
+void apply_event(Dynamics& self, const EventRecord& e, const double* state, double dt) {
+  if (e.kind != EventKind::push && e.kind != EventKind::grab) return;
+  const Character& c = self.world->characters()[e.character];
+  const Mechanism& m = *c.mechanism;
+  dynamics::Workspace& ws = self.scratch[e.character];
+  if (e.kind == EventKind::push) {
+    dynamics::update_kinematics(m, q_of(c, state), v_of(c, state), ws);
+    const Vec3 p = ws.X_WB[static_cast<std::size_t>(e.link)] * m.link(e.link).inertia.centre();
+    add_wrench(self, e, p, e.a);
+  } else {
+    const Vec3 force = calc_pull(m, ws, q_of(c, state), v_of(c, state), e.link, e.a, e.b, dt);
+    add_wrench(self, e, ws.X_WB[static_cast<std::size_t>(e.link)] * e.a, force);
+  }
+}
+
+std::int32_t explain(const Call* call, const Dynamics& self, const contact::StepReport& report) {
+  const Character& c = self.world->characters()[static_cast<std::size_t>(report.system)];
+  const Link& link = c.mechanism->link(c.mechanism->link_of_freedom(report.freedom));
+  const std::string joint = "the joint of '" + link.name + "' of '" + c.id + "'";
+  return circuit::stop(call, report.status == contact::StepStatus::singular ? "Nothing resists motion at " + joint + ": its inertia is not positive." : "The velocity at " + joint + " has blown up.");
+}
+
+std::int32_t step(const Call* call) {
+  auto& self = object_of<Dynamics>(call);
+  const double* state = circuit::input(call, in_state);
+  double* next = circuit::output(call, 0);
+  std::memcpy(next, state, self.world->state_size() * sizeof(double));
+  for (std::vector<Vec6>& wrenches : self.external)
+    for (Vec6& w : wrenches) w = {};
+  for (const EventRecord& e : records<EventRecord>(call->in[in_events])) apply_event(self, e, state, call->tick->dt);
+  const std::span<const ContactRecord> found = records<ContactRecord>(call->in[in_contacts]);
+  self.contacts.clear();
+  for (const ContactRecord& c : found) self.contacts.push_back(c.point);
+  for (const Character& c : self.world->characters()) {
+    const auto i = static_cast<std::size_t>(c.index);
+    const int wire = self.torque_wire[i];
+    const std::size_t nv = self.no_torque[i].size();
+    const double* drive = wire < 0 ? self.no_torque[i].data() : circuit::input(call, static_cast<std::size_t>(wire));
+    contact::StepSystem& system = self.systems[i] = {q_of(c, next), v_of(c, next), {drive, nv}, self.external[i], {}, {}};
+    if (wire >= 0 && call->in_count[wire] == 3 * nv) {
+      system.servo_gain = {drive + nv, nv};
+      system.servo_velocity = {drive + 2 * nv, nv};
+    }
+  }
+  const contact::StepReport report = self.stepper.step(self.systems, self.contacts, call->tick->dt);
+  if (report.status != contact::StepStatus::ok) return explain(call, self, report);
+  auto* out = record_room<ContactRecord>(call->out[1]);
+  const std::span<const Vec3> forces = self.stepper.contact_forces();
+  for (std::size_t i = 0; i < found.size(); ++i) out[i] = {found[i].point, forces[i], 0};
+  set_count(call->out[1], found.size());
+  return 0;
+}
+
+void configure(Setup& s) {
+  const World* world = world_of(s);
+  if (!world) return;
+  s.set_out(0, world->state_count());
+  s.set_out(1, world->contact_capacity());
+  s.set_state(sizeof(std::uint64_t) + warm_capacity(*world) * sizeof(Stepper::Warm));
+  std::vector<int> wires(world->characters().size(), 0);
+  for (std::size_t k = 0; k < s.wires(in_torque); ++k) {
+    const circuit::Shape shape = s.in(in_torque, k);
+    if (shape.count == 0) continue;
+    const Character* c = shape.subject >= 0 ? &world->characters()[static_cast<std::size_t>(shape.subject)] : nullptr;
+    const std::uint32_t nv = c ? static_cast<std::uint32_t>(c->mechanism->nv()) : 0;
+    if (!c || (shape.count != nv && shape.count != 3 * nv)) {
+      s.fail(ErrorCode::structure, "Wire " + std::to_string(k) + " into '" + s.id() + ".torque' does not hold the torques of one character.", "Wire the torque of a motion control.");
+    } else if (++wires[static_cast<std::size_t>(c->index)] > 1) {
+      s.fail(ErrorCode::structure, "Two wires into '" + s.id() + ".torque' are about '" + c->id + "'.", "Remove one, or add them up before.");
+    }
+  }
+}
+
+void* make(Setup& s) {
+  const World* world = world_of(s);
+  contact::StepperOptions options;
+  options.gravity = world->gravity();
+  options.iterations = static_cast<int>(s.number("iterations"));
+  options.tolerance = s.number("tolerance");
+  auto* self = new Dynamics{world, Stepper(world->mechanisms(), options), {}, {}, {}, {}, {}, {}};
+  for (const Character& c : world->characters()) {
+    self->scratch.emplace_back(*c.mechanism);
+    self->external.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
+    self->no_torque.emplace_back(static_cast<std::size_t>(c.mechanism->nv()));
+    self->torque_wire.push_back(-1);
+  }
+  for (std::size_t k = 0; k < s.wires(in_torque); ++k) self->torque_wire[static_cast<std::size_t>(s.in(in_torque, k).subject)] = static_cast<int>(in_torque + k);
+  self->contacts.reserve(world->contact_capacity());
+  self->systems.resize(world->characters().size());
+  return self;
+}
+
+void store(const Call* call) {
+  const std::span<const Stepper::Warm> warm = object_of<Dynamics>(call).stepper.warm();
+  const std::size_t count = std::min(warm.size(), warm_capacity(*object_of<Dynamics>(call).world));
+  set_count(call->state, count);
+  if (count) std::memcpy(record_room<Stepper::Warm>(call->state), warm.data(), count * sizeof(Stepper::Warm));
+}
+
+void recall(const Call* call) { object_of<Dynamics>(call).stepper.set_warm(records<Stepper::Warm>(call->state)); }
+
+}  // namespace
+
+void add_dynamics(circuit::Library& library) {
+  const contact::StepperOptions usual;
+  circuit::LsiClass c;
+  c.name = "dynamics";
+  c.doc = "General-purpose dynamics: moves every character on by one step under torques, gravity, contact, friction, joint limits, pushes and pulls.";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."), input_pin("contacts", PinTypeId::contacts, "", "Contact points now."),
+              input_pin("events", PinTypeId::event, "", "Pushes and pulls."), input_pin("torque", PinTypeId::joint_values, "N m, N", "Forces on the freedoms of characters, alone or with servo gains and velocities, one wire each; others move passively.")};
+  c.inputs[in_events].required = false;
+  c.inputs[in_torque].required = false;
+  c.inputs[in_torque].multiple = true;
+  c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."), output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces.")};
+  c.parameters = {number_parameter("iterations", usual.iterations, 1, 10000, "", "Greatest number of sweeps over the contacts."),
+                  number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes more.")};
+  c.parameters[0].kind = circuit::ParameterKind::integer;
+  c.configure = configure;
+  c.make = make;
+  c.destroy = destroy<Dynamics>;
+  c.init = [](const Call* call) -> std::int32_t {
+    object_of<Dynamics>(call).stepper.set_warm({});
+    return 0;
+  };
+  c.step = step;
+  c.store = store;
+  c.recall = recall;
+  library.add(std::move(c));
+}
+
+}  // namespace ugoki::lsi

@@ -1,0 +1,120 @@
+// Event: what the scenario and the user let happen at this tick.
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/lsi/declare.h"
+
+namespace ugoki::lsi {
+namespace {
+
+constexpr std::size_t most_pushes = 16;
+
+/// What lasts: pushes by hand, and the hand that holds a link. Plain data; `step` prepares the next one.
+struct Lasting {
+  std::uint64_t pushes = 0;
+  EventRecord push[most_pushes];
+  double ticks_left[most_pushes] = {};
+  std::uint64_t grabbed = 0;
+  EventRecord grab;
+};
+struct EventState {
+  Lasting now, next;
+};
+
+/// A push of the scenario acts on whole ticks: as many as fit its duration best, from the first at or after its time.
+std::uint64_t first_tick(double time, double dt) { return static_cast<std::uint64_t>(std::max(0.0, std::ceil(time / dt - 1e-6))); }
+std::uint64_t tick_count(double duration, double dt) { return static_cast<std::uint64_t>(std::max(1.0, std::floor(duration / dt + 0.5))); }
+
+class Output {
+ public:
+  explicit Output(const Call* call) : call_(call) {}
+  bool add(const EventRecord& record) {
+    if (count_ == call_->out_count[0]) return false;
+    record_room<EventRecord>(call_->out[0])[count_++] = record;
+    return true;
+  }
+  void finish() { set_count(call_->out[0], count_); }
+
+ private:
+  const Call* call_;
+  std::uint64_t count_ = 0;
+};
+
+void take_live(const Call* call, Lasting& next) {
+  for (const EventRecord& e : records<EventRecord>(call->in[0])) {
+    switch (e.kind) {
+      case EventKind::push:
+        if (next.pushes == most_pushes) {  // the oldest ends early
+          std::move(next.push + 1, next.push + most_pushes, next.push);
+          std::move(next.ticks_left + 1, next.ticks_left + most_pushes, next.ticks_left);
+          --next.pushes;
+        }
+        next.push[next.pushes] = e;
+        next.ticks_left[next.pushes++] = static_cast<double>(tick_count(e.duration, call->tick->dt));
+        break;
+      case EventKind::grab:
+        next.grab = e;
+        next.grabbed = 1;
+        break;
+      case EventKind::drag: next.grab.b = e.b; break;
+      case EventKind::release: next.grabbed = 0; break;
+      case EventKind::throwing:
+      case EventKind::none: break;
+    }
+  }
+}
+
+std::int32_t step(const Call* call) {
+  auto& state = *static_cast<EventState*>(call->state);
+  const World& world = *static_cast<const World*>(call->object);
+  const std::uint64_t index = call->tick->index;
+  const double dt = call->tick->dt;
+  Output out(call);
+  bool fits = true;
+  for (const ScheduledEvent& e : world.events()) {
+    const std::uint64_t first = first_tick(e.time, dt);
+    if (e.record.kind == EventKind::push) {
+      if (index >= first && index < first + tick_count(e.duration, dt)) fits &= out.add(e.record);
+    } else if (index + 1 == std::max<std::uint64_t>(first, 1)) {  // shows at the end of the tick
+      fits &= out.add(e.record);
+    }
+  }
+  Lasting& next = state.next = state.now;
+  take_live(call, next);
+  for (const EventRecord& e : records<EventRecord>(call->in[0]))
+    if (e.kind == EventKind::throwing) fits &= out.add(e);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < next.pushes; ++i) {
+    fits &= out.add(next.push[i]);
+    if (next.ticks_left[i] <= 1) continue;
+    next.push[kept] = next.push[i];
+    next.ticks_left[kept++] = next.ticks_left[i] - 1;
+  }
+  next.pushes = kept;
+  if (next.grabbed) fits &= out.add(next.grab);
+  out.finish();
+  return fits ? 0 : circuit::stop(call, "More than " + std::to_string(call->out_count[0]) + " events happen at once.");
+}
+
+}  // namespace
+
+void add_event(circuit::Library& library) {
+  circuit::LsiClass c;
+  c.name = "event";
+  c.doc = "What happens at this tick: the scenario's pushes and throws, and what the user does while it runs.";
+  c.inputs = {input_pin("live", PinTypeId::event, "", "Inputs by hand that arrived before this tick.")};
+  c.inputs[0].required = false;
+  c.outputs = {output_pin("events", PinTypeId::event, "", "Everything that acts during this tick.")};
+  c.configure = [](Setup& s) { s.set_state(sizeof(EventState)); };
+  c.make = [](Setup& s) -> void* { return const_cast<World*>(world_of(s)); };  // only read; the world outlives the circuit
+  c.step = step;
+  c.advance = [](const Call* call) -> std::int32_t {
+    auto& state = *static_cast<EventState*>(call->state);
+    state.now = state.next;
+    return 0;
+  };
+  library.add(std::move(c));
+}
+
+}  // namespace ugoki::lsi

@@ -1,0 +1,197 @@
+// Naturalness: how well a character follows its reference, how much help it needs, how its feet treat the ground.
+
+#include <cmath>
+
+#include "ugoki/lsi/declare.h"
+#include "ugoki/lsi/track_sampler.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/measures.h"
+
+namespace ugoki::lsi {
+namespace {
+
+enum Input : std::size_t { in_state, in_reference, in_report, in_contacts };
+
+/// Sums since the start; plain data.
+struct Sums {
+  double tracking = 0, tracking_count = 0;  // squared angles [rad^2], joints
+  double assist = 0, assist_force = 0, assist_count = 0, assist_max = 0;
+  double fell = 0;
+  double let_go_time = -1;
+  double last_time = -1;
+};
+
+struct Naturalness {
+  const Character* character;
+  ReferenceLayout layout;
+  FootSkate skate;
+  GroundPenetration penetration;
+  std::vector<Pose> poses;          // [links]
+  std::vector<std::uint8_t> stance; // [feet]
+  std::vector<double> error;        // [nv]
+  std::vector<int> foot_of_link;    // [links] which foot (toes and heel are one), -1
+  std::vector<std::uint8_t> bears;  // [feet]
+  int foot_count = 0;
+  double upright = 0;               // m: height of the root in the neutral position above the lowest foot
+};
+
+/// Squared angle between joints and reference, summed over the joints that turn. @param count joints
+double squared_angles(const Mechanism& m, std::span<const double> error, double& count) {
+  double sum = 0;
+  for (const Link& link : m.links()) {
+    const auto* e = error.data() + link.v_index;
+    switch (link.joint.type) {
+      case JointType::revolute:
+      case JointType::helical:
+      case JointType::cylindrical: sum += e[0] * e[0]; break;
+      case JointType::universal: sum += e[0] * e[0] + e[1] * e[1]; break;
+      case JointType::spherical: sum += e[0] * e[0] + e[1] * e[1] + e[2] * e[2]; break;
+      case JointType::planar: sum += e[2] * e[2]; break;
+      default: continue;
+    }
+    count += 1;
+  }
+  return sum;
+}
+
+int count_feet(Naturalness& self, const void* contacts) {
+  if (self.foot_count == 0) return -1;
+  for (std::uint8_t& b : self.bears) b = 0;
+  int feet = 0;
+  for (const ContactRecord& c : records<ContactRecord>(contacts)) {
+    if (c.point.system_a != self.character->index || c.point.system_b >= 0 || c.point.distance > 0.005) continue;
+    const int foot = self.foot_of_link[static_cast<std::size_t>(c.point.link_a)];
+    if (foot < 0 || self.bears[static_cast<std::size_t>(foot)]) continue;
+    self.bears[static_cast<std::size_t>(foot)] = 1;
+    ++feet;
+  }
+  return feet;
+}
+
+std::int32_t advance(const Call* call) {
+  auto& self = object_of<Naturalness>(call);
+  auto& sums = *static_cast<Sums*>(call->state);
+  const Mechanism& m = *self.character->mechanism;
+  const double* reference = circuit::input(call, in_reference);
+  const double* report = circuit::input(call, in_report);
+  const std::span<const double> q = q_of(*self.character, circuit::input(call, in_state));
+  const bool let_go = report[report_let_go] > 0;
+  calc_poses(m, q, self.poses);
+  difference(m, q, {reference, self.layout.nq}, self.error);
+  if (!let_go) {
+    sums.tracking += squared_angles(m, self.error, sums.tracking_count);
+    sums.assist += report[report_size] * report[report_size];
+    sums.assist_force += report[report_force_size] * report[report_force_size];
+    sums.assist_count += 1;
+    sums.assist_max = std::max(sums.assist_max, report[report_size]);
+  } else if (sums.let_go_time < 0) {
+    sums.let_go_time = call->tick->time;
+  }
+  for (std::size_t k = 0; k < self.layout.feet; ++k) self.stance[k] = !let_go && reference[self.layout.stance() + k] > 0 ? 1 : 0;
+  const double dt = sums.last_time >= 0 ? call->tick->time - sums.last_time : 0;
+  sums.last_time = call->tick->time;
+  self.skate.add(self.poses, self.stance, dt);
+  self.penetration.add(self.poses);
+  if (m.link(0).joint.type == JointType::floating) {
+    const double below = reference[2] - q[2];  // heights of the root in the axes of its joint
+    const double tilt = self.error[0] * self.error[0] + self.error[1] * self.error[1];
+    if (below > 0.35 * self.upright || tilt > 1.0) sums.fell = 1;
+  }
+
+  double* out = circuit::output(call, 0);
+  constexpr double degrees = 180 / pi;
+  const auto root_mean = [](double sum, double count) { return count > 0 ? std::sqrt(sum / count) : 0.0; };
+  out[measure_tracking] = degrees * root_mean(sums.tracking, sums.tracking_count);
+  out[measure_assist] = root_mean(sums.assist, sums.assist_count);
+  out[measure_assist_force] = root_mean(sums.assist_force, sums.assist_count);
+  out[measure_assist_max] = sums.assist_max;
+  out[measure_skate] = self.skate.mean_per_stance_cm();
+  out[measure_skate_worst] = self.skate.worst_stance_cm();
+  out[measure_penetration] = self.penetration.worst_mm();
+  out[measure_penetration_rms] = self.penetration.rms_mm();
+  out[measure_fell] = sums.fell;
+  out[measure_let_go_time] = sums.let_go_time;
+  out[measure_feet] = count_feet(self, call->in[in_contacts]);
+  return 0;
+}
+
+void* make(Setup& s) {
+  const Character& c = *character_of(s);
+  const Mechanism& m = *c.mechanism;
+  auto* self = new Naturalness{&c, reference_layout(m, c.feet.size()), FootSkate(m, c.feet), GroundPenetration(m, world_of(s)->ground().height), {}, {}, {}, {}, {}, 0, 0};
+  self->poses.resize(static_cast<std::size_t>(m.link_count()));
+  self->stance.resize(c.feet.size());
+  self->error.resize(static_cast<std::size_t>(m.nv()));
+  self->foot_of_link.assign(self->poses.size(), -1);
+  for (const int link : c.feet) {
+    const int parent = m.link(link).parent;
+    const int of_parent = parent < 0 ? -1 : self->foot_of_link[static_cast<std::size_t>(parent)];
+    self->foot_of_link[static_cast<std::size_t>(link)] = of_parent >= 0 ? of_parent : self->foot_count++;
+  }
+  self->bears.resize(static_cast<std::size_t>(self->foot_count));
+  calc_poses(m, m.neutral(), self->poses);
+  double low = self->poses[0].p.z;
+  for (const Pose& pose : self->poses) low = std::min(low, pose.p.z);
+  self->upright = std::max(0.05, self->poses[0].p.z - low);
+  return self;
+}
+
+/// Where the objects' memory lies behind the sums.
+double* memory_of(const Call* call) { return reinterpret_cast<double*>(static_cast<std::byte*>(call->state) + sizeof(Sums)); }
+
+void store(const Call* call) {
+  const auto& self = object_of<Naturalness>(call);
+  const std::span<double> memory(memory_of(call), self.skate.memory_size() + self.penetration.memory_size());
+  self.skate.save(memory.first(self.skate.memory_size()));
+  self.penetration.save(memory.subspan(self.skate.memory_size()));
+}
+
+void recall(const Call* call) {
+  auto& self = object_of<Naturalness>(call);
+  const std::span<const double> memory(memory_of(call), self.skate.memory_size() + self.penetration.memory_size());
+  self.skate.restore(memory.first(self.skate.memory_size()));
+  self.penetration.restore(memory.subspan(self.skate.memory_size()));
+}
+
+std::int32_t init(const Call* call) {
+  auto& self = object_of<Naturalness>(call);
+  *static_cast<Sums*>(call->state) = Sums{};
+  self.skate.reset();
+  self.penetration.reset();
+  double* out = circuit::output(call, 0);
+  out[measure_let_go_time] = -1;
+  out[measure_feet] = self.foot_count == 0 ? -1 : 0;
+  return 0;
+}
+
+}  // namespace
+
+void add_naturalness(circuit::Library& library) {
+  circuit::LsiClass c;
+  c.name = "naturalness";
+  c.doc = "Measures, since the start: tracking error, root assist, foot skate, depth in the ground, whether it fell. Run it at about 120 Hz with \"every\".";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."), input_pin("reference", PinTypeId::motion, "", "What the character shall do now."),
+              input_pin("report", PinTypeId::joint_values, "", "Report of its motion control."), input_pin("contacts", PinTypeId::contacts, "", "Contact points now.")};
+  for (circuit::InputPin& pin : c.inputs) pin.direct = false;
+  c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Eleven numbers, see docs/circuit.md.")};
+  c.outputs[0].delayed = true;
+  c.parameters = {character_parameter()};
+  c.configure = [](Setup& s) {
+    const Character* character = character_of(s);
+    if (!character) return;
+    check_subject(s, in_reference, "reference", *character);
+    check_subject(s, in_report, "report", *character);
+    s.set_out(0, measure_count, character->index);
+    const FootSkate skate(*character->mechanism, character->feet);
+    s.set_state(sizeof(Sums) + (skate.memory_size() + GroundPenetration(*character->mechanism).memory_size()) * sizeof(double));
+  };
+  c.make = make;
+  c.destroy = destroy<Naturalness>;
+  c.init = init;
+  c.advance = advance;
+  c.store = store;
+  c.recall = recall;
+  library.add(std::move(c));
+}
+
+}  // namespace ugoki::lsi

@@ -1,0 +1,63 @@
+// Motion retrieval: the clips that a character's track plays now.
+
+#include "ugoki/lsi/declare.h"
+#include "ugoki/lsi/track_sampler.h"
+
+namespace ugoki::lsi {
+namespace {
+
+struct Retrieval {
+  std::shared_ptr<const TrackSampler> track;
+};
+
+std::int32_t step(const Call* call) {
+  const TrackSampler& track = *object_of<Retrieval>(call).track;
+  const double t = call->tick->time;
+  const TrackMoment now = track.moment(t);
+  const std::size_t size = track.layout().size();
+  double* current = circuit::output(call, 0);
+  double* previous = circuit::output(call, 1);
+  track.sample_clip(now.current, t, {current, size});
+  if (now.previous == now.current) {
+    std::memcpy(previous, current, size * sizeof(double));
+  } else {
+    track.sample_clip(now.previous, t, {previous, size});
+  }
+  double* blend = circuit::output(call, 2);
+  blend[0] = now.blend.weight;
+  blend[1] = now.blend.rate;
+  blend[2] = now.blend.acceleration;
+  return 0;
+}
+
+}  // namespace
+
+void add_retrieval(circuit::Library& library) {
+  circuit::LsiClass c;
+  c.name = "motion retrieval";
+  c.doc = "Reads the clips of a character's editing track: the one that plays, the one before it, and how far the change has come.";
+  c.outputs = {output_pin("current", PinTypeId::motion, "", "Reference that the clip of this moment gives: q, v, a, stance."),
+               output_pin("previous", PinTypeId::motion, "", "The same of the clip before, while it is blended over."),
+               output_pin("blend", PinTypeId::vector, "1, 1/s, 1/s^2", "Weight of the current clip, its rate and its acceleration.")};
+  c.parameters = {character_parameter(), number_parameter("cutoff", World::default_cutoff, 0, 60, "Hz", "Cut-off frequency of the filter on measured motions; 0: none.")};
+  c.configure = [](Setup& s) {
+    const Character* character = character_of(s);
+    if (!character) return;
+    if (!character->track) return s.fail(ErrorCode::structure, "The character '" + character->id + "' has no clips.", "Lay a clip on its track, or set its control to passive.");
+    const auto size = static_cast<std::uint32_t>(character->track->layout().size());
+    s.set_out(0, size, character->index);
+    s.set_out(1, size, character->index);
+    s.set_out(2, 1, character->index);
+  };
+  c.make = [](Setup& s) -> void* {
+    const Character& character = *character_of(s);
+    const double cutoff = s.number("cutoff");
+    if (cutoff == character.track->cutoff()) return new Retrieval{character.track};
+    return new Retrieval{std::make_shared<const TrackSampler>(character.mechanism, character.track->clips(), character.feet, cutoff)};
+  };
+  c.destroy = destroy<Retrieval>;
+  c.step = step;
+  library.add(std::move(c));
+}
+
+}  // namespace ugoki::lsi

@@ -1,0 +1,26 @@
+#include "ugoki/lsi/standard_library.h"
+
+#include "ugoki/circuit/signal_lsis.h"
+#include "ugoki/lsi/declare.h"
+
+namespace ugoki::lsi {
+
+const circuit::Library& standard_library() {
+  static const circuit::Library library = [] {
+    circuit::Library all;
+    circuit::add_signal_lsis(all);
+    add_event(all);
+    add_retrieval(all);
+    add_interpolation(all);
+    add_control(all);
+    add_collision(all);
+    add_dynamics(all);
+    add_status(all);
+    add_naturalness(all);
+    add_display(all);
+    return all;
+  }();
+  return library;
+}
+
+}  // namespace ugoki::lsi

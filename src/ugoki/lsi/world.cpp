@@ -1,0 +1,58 @@
+#include "ugoki/lsi/world.h"
+
+#include <algorithm>
+
+#include "ugoki/base/check.h"
+#include "ugoki/lsi/track_sampler.h"
+#include "ugoki/motion/contact_labels.h"
+
+namespace ugoki::lsi {
+
+World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity, const collision::Ground& ground, double cutoff)
+    : events_(std::move(events)), gravity_(gravity), ground_(ground), cutoff_(cutoff) {
+  std::size_t shapes = 0;
+  for (CharacterSpec& spec : characters) {
+    UGOKI_CHECK(spec.mechanism && spec.mechanism->link_count() > 0);
+    const Mechanism& m = *spec.mechanism;
+    Character c;
+    c.id = std::move(spec.id);
+    c.index = static_cast<int>(characters_.size());
+    c.mechanism = spec.mechanism;
+    c.feet = find_feet(m);
+    c.q0 = spec.q0.empty() ? m.neutral() : std::move(spec.q0);
+    c.v0.resize(static_cast<std::size_t>(m.nv()));
+    UGOKI_CHECK(c.q0.size() == static_cast<std::size_t>(m.nq()));
+    c.q_offset = state_size_;
+    c.v_offset = state_size_ + c.q0.size();
+    state_size_ += c.q0.size() + c.v0.size();
+    c.first_link = link_count_;
+    link_count_ += static_cast<std::size_t>(m.link_count());
+    for (const Link& link : m.links()) shapes += link.shapes.size();
+    if (!spec.track.empty()) {
+      c.track = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.track), c.feet, cutoff);
+      std::vector<double> reference(c.track->layout().size());
+      c.track->sample(0, reference);
+      const ReferenceLayout& at = c.track->layout();
+      std::copy_n(reference.data(), c.q0.size(), c.q0.data());
+      std::copy_n(reference.data() + at.v(), c.v0.size(), c.v0.data());
+    }
+    characters_.push_back(std::move(c));
+  }
+  contact_capacity_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(8 * shapes, 64, 512));
+}
+
+const void* World::find(std::string_view kind, std::string_view name) const {
+  if (kind == resource_kind) return this;
+  if (kind == Character::resource_kind)
+    for (const Character& c : characters_)
+      if (c.id == name) return &c;
+  return nullptr;
+}
+
+std::vector<MechanismPtr> World::mechanisms() const {
+  std::vector<MechanismPtr> out;
+  for (const Character& c : characters_) out.push_back(c.mechanism);
+  return out;
+}
+
+}  // namespace ugoki::lsi

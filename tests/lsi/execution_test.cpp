@@ -1,0 +1,213 @@
+// The execution circuit on a small world.
+
+#include "small_world.h"
+#include "ugoki/lsi/pull.h"
+#include "ugoki/lsi/track_sampler.h"
+
+namespace ugoki::lsi {
+namespace {
+
+TEST(Execution, CircuitIsDataLikeAnyOther) {
+  const SmallWorld world;
+  const std::string text = circuit::write_circuit(world.circuit);
+  const auto again = circuit::read_circuit(text);
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_TRUE(*again == world.circuit);
+}
+
+TEST(Execution, AFigureStandsAndFollows) {
+  const SmallWorld world;
+  auto i = world.build();
+  ASSERT_TRUE(i) << i.error().text();
+  for (int k = 0; k < 2000; ++k) ASSERT_TRUE(i->tick()) << i->stopped()->text();
+  ASSERT_TRUE(i->refresh());
+  const double* measures = numbers(*i, "measures");
+  EXPECT_LT(measures[measure_tracking], 2);
+  EXPECT_LT(measures[measure_assist], 0.2);
+  EXPECT_LT(measures[measure_penetration], 5);
+  EXPECT_EQ(measures[measure_fell], 0);
+  EXPECT_EQ(measures[measure_let_go_time], -1);
+  EXPECT_EQ(measures[measure_feet], 2);
+  const double* figures = numbers(*i, "figures");
+  EXPECT_EQ(figures[figure_state], 0);
+  EXPECT_EQ(figures[figure_count + figure_state], 2);
+  EXPECT_NEAR(figures[figure_weight], 40 * 9.81, 1e-9);
+  // the contact forces carry the figure
+  double up = 0;
+  for (const ContactRecord& c : records<ContactRecord>(i->find_circuit_output("contacts")->bytes.data()))
+    if (c.point.system_a == 0) up += c.force.z;
+  EXPECT_NEAR(up, 40 * 9.81, 0.1 * 40 * 9.81);
+}
+
+TEST(Execution, ScheduledPushActsForItsDurationOnly) {
+  ScheduledEvent push;
+  push.record.kind = EventKind::push;
+  push.record.a = {0, 30, 0};
+  push.time = 0.5;
+  push.duration = 0.2;
+  const SmallWorld pushed({push}), still;
+  auto a = pushed.build(), b = still.build();
+  ASSERT_TRUE(a && b);
+  int active = 0;
+  for (int k = 0; k < 600; ++k) {
+    ASSERT_TRUE(a->tick() && b->tick());
+    const bool now = !records<EventRecord>(a->find_circuit_output("events")->bytes.data()).empty();
+    EXPECT_EQ(now, k >= 250 && k < 350) << k;
+    active += now;
+    const bool same = std::equal(numbers(*a, "state"), numbers(*a, "state") + 7, numbers(*b, "state"));
+    EXPECT_EQ(same, k < 250) << k;
+  }
+  EXPECT_EQ(active, 100);
+}
+
+TEST(Execution, ThrowSetsPoseAndVelocityAtItsTime) {
+  ScheduledEvent event;
+  event.record.kind = EventKind::throwing;
+  event.record.character = 1;
+  event.record.a = {2, 0, 1.2};
+  event.record.b = {-6, 0, 2};
+  event.record.c = {1, 2, 3};
+  event.time = 0.1;
+  const SmallWorld world({event});
+  auto i = world.build();
+  ASSERT_TRUE(i);
+  const Character& ball = world.world->characters()[1];
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(i->tick());
+  const double* state = numbers(*i, "state");
+  EXPECT_EQ(i->time(), 0.1);
+  const auto q = q_of(ball, state), v = v_of(ball, state);
+  EXPECT_NEAR(q[0], 2, 1e-12);
+  EXPECT_NEAR(q[2], 1.2, 1e-12);
+  EXPECT_NEAR(v[3], -6, 1e-12);
+  EXPECT_NEAR(v[5], 2, 1e-12);
+  const double spin = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  EXPECT_NEAR(spin, 14, 1e-9);
+  // it flies as a body in vacuum does
+  for (int k = 0; k < 50; ++k) ASSERT_TRUE(i->tick());
+  EXPECT_NEAR(q[0], 2 - 6 * 0.1, 1e-9);
+  EXPECT_NEAR(q[2], 1.2 + 2 * 0.1 - 0.5 * 9.81 * 0.1 * 0.1, 1.1e-3);
+}
+
+TEST(Execution, AGrabbedLinkComesAlong) {
+  const SmallWorld world;
+  auto i = world.build();
+  ASSERT_TRUE(i);
+  const int trunk = 0;
+  EventRecord grab;
+  grab.kind = EventKind::grab;
+  grab.link = trunk;
+  grab.a = {0, 0, 0.5};
+  grab.b = {0.6, 0, 1.6};
+  put_event(*i, grab);
+  ASSERT_TRUE(i->tick());
+  clear_events(*i);
+  for (int k = 0; k < 1000; ++k) ASSERT_TRUE(i->tick()) << i->stopped()->text();
+  const double* state = numbers(*i, "state");
+  EXPECT_GT(state[0], 0.3);  // the figure is dragged towards it
+  for (std::size_t k = 0; k < world.world->state_size(); ++k) ASSERT_LT(std::fabs(state[k]), 60);  // limp legs swing freely
+  EventRecord release;
+  release.kind = EventKind::release;
+  put_event(*i, release);
+  ASSERT_TRUE(i->tick());
+  EXPECT_TRUE(records<EventRecord>(i->find_circuit_output("events")->bytes.data()).empty());
+}
+
+TEST(Execution, SameBitsAgainAndAfterSaveAndRestore) {
+  ScheduledEvent push;
+  push.record.kind = EventKind::push;
+  push.record.a = {60, 20, 0};
+  push.time = 0.3;
+  push.duration = 0.2;
+  const SmallWorld world({push});
+  auto a = world.build(), b = world.build();
+  ASSERT_TRUE(a && b);
+  for (int k = 0; k < 500; ++k) ASSERT_TRUE(a->tick());
+  std::vector<std::byte> saved;
+  a->save(saved);
+  for (int k = 0; k < 500; ++k) ASSERT_TRUE(a->tick());
+  ASSERT_TRUE(b->restore(saved));
+  for (int k = 0; k < 500; ++k) ASSERT_TRUE(b->tick());
+  std::vector<std::byte> one, two, three;
+  a->save(one);
+  b->save(two);
+  EXPECT_TRUE(one == two);
+  a->reset();
+  for (int k = 0; k < 1000; ++k) ASSERT_TRUE(a->tick());
+  a->save(three);
+  EXPECT_TRUE(one == three);
+}
+
+TEST(Execution, AWireFromAnotherCharacterIsRefused) {
+  std::vector<CharacterSpec> specs(2);
+  const MechanismPtr figure = make_figure();
+  for (std::size_t k = 0; k < 2; ++k) {
+    specs[k].id = k == 0 ? "anna" : "ben";
+    specs[k].mechanism = figure;
+    TrackClip sway;
+    sway.motion = make_sway(*figure, 1);
+    sway.clip.length = 4;
+    specs[k].track = {sway};
+  }
+  const World world(std::move(specs), {}, {0, 0, -9.81}, {});
+  circuit::Circuit c = make_execution_circuit({{"anna", true, 1, 1, 0.5}, {"ben", true, 1, 1, 0.5}}, 0.002);
+  EXPECT_TRUE(circuit::Interpreter::build(c, standard_library(), &world, {}));
+  for (circuit::Wire& w : c.wires)
+    if (w.to == "control-ben.reference") w.from = "interpolation-anna.reference";
+  const auto refused = circuit::Interpreter::build(c, standard_library(), &world, {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text().find("'control-ben.reference' is about 'anna', the LSI about 'ben'"), std::string::npos) << refused.error().text();
+}
+
+TEST(Execution, AnEmptyWorldRuns) {
+  const World nobody({}, {}, {0, 0, -9.81}, {});
+  auto i = circuit::Interpreter::build(make_execution_circuit({}, 0.002), standard_library(), &nobody, {});
+  ASSERT_TRUE(i) << i.error().text();
+  for (int k = 0; k < 10; ++k) EXPECT_TRUE(i->tick());
+  EXPECT_TRUE(i->refresh());
+}
+
+TEST(Track, BlendsFromOneClipToTheNextSmoothly) {
+  const MechanismPtr m = make_figure();
+  const MotionPtr sway = make_sway(*m, 20);
+  TrackClip first, second;
+  first.motion = second.motion = sway;
+  first.clip.length = 1;
+  second.clip.start = 1;
+  second.clip.length = 2;
+  second.clip.offset = 0.37;
+  second.clip.blend = 0.4;
+  second.clip.place.x = 0.5;
+  const TrackSampler track(m, {first, second}, {}, 0);
+  const std::size_t n = track.layout().size(), nq = track.layout().nq, nv = track.layout().nv;
+  std::vector<double> before(n), now(n), after(n), slope(nv);
+  const double h = 1e-5;
+  for (double t = 0.9; t < 1.6; t += 0.0137) {
+    track.sample(t - h, before);
+    track.sample(t, now);
+    track.sample(t + h, after);
+    difference(*m, std::span(before).first(nq), std::span(after).first(nq), slope);
+    for (std::size_t k = 0; k < nv; ++k) {
+      EXPECT_NEAR(slope[k] / (2 * h), now[nq + k], 0.02) << t << " " << k;  // v is the slope of q
+      EXPECT_NEAR((after[nq + k] - before[nq + k]) / (2 * h), now[nq + nv + k], 0.6) << t << " " << k;
+    }
+  }
+}
+
+TEST(Pull, IsASpringForALightBodyAndStableForAnyStep) {
+  const MechanismPtr ball = make_ball();
+  dynamics::Workspace ws(*ball);
+  State s(*ball);
+  const Vec3 slow = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0.01, 0, 0}, 1e-9);
+  EXPECT_NEAR(slow.x, ball->mass() * 100 * 0.01, 1e-6);  // k x
+  s.v[3] = 1;
+  const Vec3 damped = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0, 0, 0}, 1e-9);
+  EXPECT_NEAR(damped.x, -2 * 0.7 * ball->mass() * 10, 1e-6);  // -c u
+  // with an absurd step the force never overshoots what stops the ball
+  const Vec3 stiff = calc_pull(*ball, ws, s.q, s.v, 0, {}, {0, 0, 0}, 1.0);
+  EXPECT_GT(1 + stiff.x / ball->mass() * 1.0, -1e-9);
+  const Vec3 far = calc_pull(*ball, ws, s.q, s.v, 0, {}, {100, 0, 0}, 0.002);
+  EXPECT_NEAR(norm(far), 1.5 * ball->mass() * 9.81, 1e-9);
+}
+
+}  // namespace
+}  // namespace ugoki::lsi
