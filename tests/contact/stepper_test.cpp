@@ -74,7 +74,7 @@ struct World {
       poses.emplace_back(static_cast<std::size_t>(m->link_count()));
     }
     for (auto& p : poses) spans.emplace_back(p);
-    for (State& s : states) systems.push_back({s.q, s.v, s.tau, s.external});
+    for (State& s : states) systems.push_back({s.q, s.v, s.tau, s.external, {}, {}});
   }
   StepReport step(double dt) {
     for (std::size_t i = 0; i < states.size(); ++i) calc_poses(stepper.mechanism(static_cast<int>(i)), states[i].q, poses[i]);

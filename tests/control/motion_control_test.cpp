@@ -44,6 +44,7 @@ struct Simulation {
   State state{*m};
   std::vector<Pose> X{static_cast<std::size_t>(m->link_count())};
   std::vector<collision::ContactPoint> contacts;
+  std::vector<double> gain = std::vector<double>(static_cast<std::size_t>(m->nv())), target = gain;
   std::vector<double> reference = m->neutral(), rest = std::vector<double>(static_cast<std::size_t>(m->nv()));
   ControlOutput last;
 
@@ -54,11 +55,11 @@ struct Simulation {
     calc_poses(*m, state.q, X);
     const std::span<const Pose> poses(X);
     collision::find_contacts(scene, std::span(&poses, 1), 0.02, workspace, contacts);
-    last = control.step({state.q, state.v, reference, rest, rest, contacts, 0, 0.002}, memory, state.tau);
+    last = control.step({state.q, state.v, reference, rest, rest, contacts, 0, 0.002}, memory, state.tau, gain, target);
     state.external[0] = MotionControl::about_world_origin(last.assist, X[0].p);
     const Vec3 chest = X[0] * Vec3{0, 0, 0.4};
     state.external[0] += Vec6{cross(chest, push), push};
-    contact::StepSystem system{state.q, state.v, state.tau, state.external};
+    contact::StepSystem system{state.q, state.v, state.tau, state.external, gain, target};
     ASSERT_EQ(stepper.step(std::span(&system, 1), contacts, 0.002).status, contact::StepStatus::ok);
   }
 };

@@ -156,7 +156,7 @@ class Modeller {
     return arm.end >= 0 ? arm.end : arm.distal;
   }
 
-  /// Invisible boxes and a round heel bear on the ground; capsules that lie on the same plane are seen.
+  /// An invisible box from the heel to beyond the ball and a round heel bear on the ground; capsules that lie on the same plane are seen.
   void sole() {
     const SoleShape* s = b_.sole_of(i_);
     if (!s) return;
@@ -168,13 +168,13 @@ class Modeller {
     const double r = std::min(0.034 * h_, 0.9 * s->thickness + 0.008 * h_);
     if (is_foot) {
       const Mat3 R = frame(s->foot_forward, s->foot_up);
-      const double ball = dot(s->ball, s->foot_forward), front = s->toes >= 0 ? ball : ball + s->tip;
+      const double ball = dot(s->ball, s->foot_forward), front = s->toes >= 0 ? ball + std::min(0.012 * h_, 0.5 * s->tip) : ball + s->tip;
       const double across = dot(s->ball, R.column(1));
       const double ground = dot(s->ball, s->foot_up) - s->thickness;
       const double height = 0.8 * s->thickness;
       // A round heel, as heels are: the foot rolls over it at heel strike. Ahead of it the sole is flat.
       const double heel_r = std::min(0.04 * h_, 0.6 * s->ankle);
-      const double back = std::max(0.0, s->heel - heel_r);
+      const double back = std::max(0.0, s->heel - heel_r - 0.014 * h_);
       Shape box = Shape::box({0.5 * (front + back), 0.040 * w_, 0.5 * height},
                              {R, R * Vec3{0.5 * (front - back), 0.5 * across, ground + 0.5 * height}});
       box.visible = false;
@@ -187,11 +187,8 @@ class Modeller {
       out_.push_back(decoration(Shape::capsule(0.030 * w_, R * Vec3{0.012 * h_, 0, -0.01 * h_}, R * Vec3{front - 0.02 * h_, 0.8 * across, ground + 0.032 * w_})));
       return;
     }
+    // Toes bear no load: measured toe angles are mostly noise, and rigid toes that follow them lift the foot off the floor.
     const Mat3 R = frame(s->toes_forward, s->toes_up);
-    const double height = 0.8 * s->thickness;
-    Shape box = Shape::box({0.5 * s->tip, 0.042 * w_, 0.5 * height}, {R, R * Vec3{0.5 * s->tip, 0, -s->thickness + 0.5 * height}});
-    box.visible = false;
-    out_.push_back(box);
     const double t = std::min(0.8 * r, 0.024 * h_);
     for (const double e : {1.0, 0.0, -1.0})
       out_.push_back(decoration(Shape::capsule(t, R * Vec3{0, e * 0.020 * w_, -s->thickness + t}, R * Vec3{s->tip - t - 0.006 * h_ * e * e, e * 0.018 * w_, -s->thickness + t})));

@@ -45,7 +45,11 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
   const std::size_t n = x.free_v.size();
   dynamics::update_kinematics(m, system.q, system.v, ws);
   dynamics::calc_inertia_rows(m, ws);
-  for (std::size_t i = 0; i < n; ++i) x.extra[i] = dt * (ws.freedoms[i].damping + dt * ws.freedoms[i].stiffness);
+  const bool servo = !system.servo_gain.empty();
+  for (std::size_t i = 0; i < n; ++i) {
+    x.extra[i] = dt * (ws.freedoms[i].damping + dt * ws.freedoms[i].stiffness);
+    if (servo) x.extra[i] += dt * system.servo_gain[i];
+  }
   if (const int bad = dynamics::factor(ws, x.extra); bad >= 0) {
     report = {StepStatus::singular, static_cast<int>(s), bad, 0, 0, 0, 0};
     return;
@@ -57,6 +61,7 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     const Freedom& f = ws.freedoms[i];
     double passive = f.damping * system.v[i];
     if (f.stiffness > 0) passive += f.stiffness * (x.displacement[i] - f.rest + dt * system.v[i]);
+    if (servo) passive += system.servo_gain[i] * (system.v[i] - system.servo_velocity[i]);
     x.free_v[i] = dt * (system.tau[i] - x.free_v[i] - passive);
   }
   dynamics::solve(ws, x.free_v);
@@ -174,7 +179,7 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
         for (int c = 0; c < nv; ++c) rate += direction[c] * x.free_v[static_cast<std::size_t>(link.v_index + c)];
         if (room > 0 && room + dt * rate > 0) continue;
         const double wanted = room > 0 ? -room / dt : std::min(-room / (5 * options_.recovery_time), 1.0);
-        add_row(RowKind::limit, link, direction, wanted, 0, limit_key | (s << 40) | (at << 4) | static_cast<std::uint64_t>(side));
+        add_row(RowKind::limit, link, direction, wanted, 0, limit_key | (static_cast<std::uint64_t>(s) << 40) | (static_cast<std::uint64_t>(at) << 4) | static_cast<std::uint64_t>(side));
       }
     }
   }
@@ -183,7 +188,7 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
     double direction[6] = {0, 0, 0, 0, 0, 0};
     direction[f - link.v_index] = 1;
     add_row(RowKind::friction, link, direction, 0, dt * ws.freedoms[static_cast<std::size_t>(f)].friction,
-            limit_key | (s << 40) | (static_cast<std::uint64_t>(f) << 4) | 2);
+            limit_key | (static_cast<std::uint64_t>(s) << 40) | (static_cast<std::uint64_t>(f) << 4) | 2);
   }
 }
 

@@ -37,6 +37,8 @@ struct StepSystem {
   std::span<double> q, v;             ///< in, out
   std::span<const double> tau;        ///< [nv] drive forces
   std::span<const Vec6> external;     ///< [links] wrenches about the world origin, or empty
+  std::span<const double> servo_gain;      ///< [nv] N m s/rad: the drive adds gain (servo_velocity - v'), taken implicitly, so
+  std::span<const double> servo_velocity;  ///< [nv] that any gain is stable; both empty for none
 };
 
 enum class StepStatus {

@@ -24,12 +24,13 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
 }  // namespace
 
 MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& options)
-    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), problem_(most_supports) {
+    : mechanism_(std::move(mechanism)), options_(options), workspace_(*mechanism_), reference_(*mechanism_), problem_(most_supports) {
   const Mechanism& m = *mechanism_;
   wanted_.resize(static_cast<std::size_t>(m.nv()));
   displacement_.resize(wanted_.size());
   bears_.resize(wanted_.size());
   supports_.reserve(most_supports);
+  apart_.reserve(most_supports);
   support_links_.reserve(most_supports);
   forces_.resize(most_supports);
   weight_ = m.mass() * norm(options_.gravity);
@@ -44,40 +45,58 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   lever_ = std::max(0.1, X[0].p.z - low);
 }
 
-ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau) {
+void MotionControl::find_supports(const ControlInput& in) {
+  const Mechanism& m = *mechanism_;
+  dynamics::Workspace& ws = workspace_;
+  supports_.clear();
+  support_links_.clear();
+  for (unsigned char& b : bears_) b = 0;
+  if (!floating_) return;
+  bool reference_known = false;
+  apart_.clear();
+  for (const collision::ContactPoint& c : in.contacts) {
+    if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == most_supports) continue;
+    const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
+    if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
+    if (!reference_known) dynamics::update_kinematics(m, in.q_ref, in.v_ref, reference_);
+    reference_known = true;
+    const auto link = static_cast<std::size_t>(c.link_a);
+    const Vec3 p_ref = reference_.X_WB[link] * (ws.X_WB[link].inverse() * c.p);
+    const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);
+    const double height = dot(c.n, p_ref - c.p);
+    if (height > options_.planted_height || dot(c.n, v_ref) > options_.planted_speed) continue;
+    supports_.push_back({c.p, c.n, 0.7 * c.friction});  // a reserve inside the true cone
+    support_links_.push_back(c.link_a);
+    apart_.push_back(c.p - p_ref);
+    for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_[static_cast<std::size_t>(f)] = 1;
+  }
+}
+
+ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau,
+                                  std::span<double> servo_gain, std::span<double> servo_velocity) {
   const Mechanism& m = *mechanism_;
   dynamics::Workspace& ws = workspace_;
   const std::size_t n = wanted_.size();
   UGOKI_CHECK(tau.size() == n && in.q_ref.size() == in.q.size() && in.v_ref.size() == n && in.a_ref.size() == n);
   ControlOutput out;
   out.let_go = state.let_go != 0;
-  for (double& t : tau) t = 0;
+  for (std::size_t i = 0; i < n; ++i) tau[i] = servo_gain[i] = servo_velocity[i] = 0;
   if (out.let_go) return out;
 
-  // Where it stands, and which freedoms lie between the ground and the root.
+  // Where it stands: contact points that touch, and that the reference has near the floor and not on their way up.
   const std::size_t root_freedoms = floating_ ? 6 : 0;
   dynamics::update_kinematics(m, in.q, in.v, ws);
-  supports_.clear();
-  support_links_.clear();
-  for (std::size_t i = 0; i < n; ++i) bears_[i] = i < root_freedoms ? 1 : 0;
-  if (floating_) {
-    for (const collision::ContactPoint& c : in.contacts) {
-      if (c.system_a != in.system || c.system_b >= 0 || supports_.size() == most_supports) continue;
-      const double approach = dot(c.n, dynamics::point_velocity(ws, c.link_a, c.p));
-      if (c.distance > options_.contact_margin && c.distance + in.dt * approach > 0) continue;
-      supports_.push_back({c.p, c.n, 0.7 * c.friction});  // a reserve inside the true cone
-      support_links_.push_back(c.link_a);
-      for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_[static_cast<std::size_t>(f)] = 1;
-    }
-  }
+  find_supports(in);
 
   // 1. Wanted accelerations; both errors are taken where they will be at the end of the step. The root and the joints that bear
   // it share one gain: feet on the ground tie them together, and unequal gains on tied freedoms are unstable.
   difference(m, in.q, in.q_ref, wanted_);
+  if (floating_)
+    for (std::size_t k = 0; k < 3; ++k) wanted_[3 + k] += state.shift[k];
   const double joint_w = options_.joint_frequency * std::sqrt(std::max(0.0, options_.tracking));
   const double root_w = options_.root_frequency * std::sqrt(std::max(0.0, options_.balance));
   for (std::size_t i = 0; i < n; ++i) {
-    const double w = bears_[i] ? root_w : joint_w;
+    const double w = i < root_freedoms || bears_[i] ? root_w : joint_w;
     const double kp = w * w, kd = 2 * w;
     const double slip = in.v_ref[i] - in.v[i];
     wanted_[i] = in.a_ref[i] + (kp * (wanted_[i] + in.dt * slip) + kd * slip) / (1 + in.dt * kd + in.dt * in.dt * kp);
@@ -94,6 +113,18 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
       for (const int f : dynamics::chain_of_link(ws, support_links_[c])) tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }
+    // Feet that have landed elsewhere than the reference's carry the path along: the load tells which foot counts.
+    Vec3 shift{state.shift[0], state.shift[1], state.shift[2]}, weighted;
+    double load = 0;
+    for (std::size_t c = 0; c < supports_.size(); ++c) {
+      const double share = dot(forces[c], supports_[c].n);
+      weighted += apart_[c] * share;
+      load += share;
+    }
+    if (load > 0.05 * weight_) shift += (weighted / load - shift) * std::min(1.0, in.dt / options_.shift_time);
+    const double home = 1 - in.dt / options_.return_time;
+    shift = {shift.x * home, shift.y * home, load > 0.05 * weight_ ? shift.z : shift.z * home};
+    for (int k = 0; k < 3; ++k) state.shift[k] = shift[k];
     // 4. Root assist
     const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
     const double cap = options_.assist_limit * weight_;
@@ -118,6 +149,9 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     tau[i] += f.damping * next_v;
     if (f.stiffness > 0) tau[i] += f.stiffness * (displacement_[i] + in.dt * next_v - f.rest);
     tau[i] = std::clamp(tau[i], -f.effort, f.effort);
+    servo_velocity[i] = next_v;
+    const double strength = std::min(f.effort, weight_ * lever_);
+    servo_gain[i] = bears_[i] ? options_.joint_hold * strength * strength / (weight_ * lever_) : 0;
   }
   return out;
 }

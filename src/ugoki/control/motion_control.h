@@ -2,7 +2,8 @@
 // Motion control: joint torques that make a figure follow a reference motion on its own feet.
 //
 // Each tick:
-//   1. wanted acceleration = reference + stable PD on the error (Tan, Liu, Turk 2011), for the joints and for the root;
+//   1. wanted acceleration = reference + stable PD on the error (Tan, Liu, Turk 2011), for the joints and for the root, whose
+//      path is carried along where feet have landed elsewhere than the reference's;
 //   2. inverse dynamics gives the joint torques and the wrench that the root would need;
 //   3. contact forces at the points where the figure stands, inside their friction pyramids, give as much of that wrench as they
 //      can (contact_forces.h; Abe 2007, da Silva 2008); joint torques carry them;
@@ -19,19 +20,25 @@
 namespace ugoki::control {
 
 struct ControlOptions {
-  double tracking = 1;        ///< factor on the joints' gains, 0 ... 2
-  double balance = 1;         ///< factor on the root's gains, 0 ... 2
-  double joint_frequency = 25;  ///< rad/s: how fast a joint's error decays (critically damped)
-  double root_frequency = 10;   ///< rad/s: the same for the root and the joints of legs that stand
-  double assist_limit = 0.5;  ///< body weights: cap of the root assist (moments count at the lever of the root's height)
-  double patience = 0.1;      ///< s: time constant with which the wanted assist is averaged before the figure lets go
+  double tracking = 1;          ///< factor on the joints' gains, 0 ... 2
+  double balance = 1;           ///< factor on the root's gains, 0 ... 2
+  double joint_frequency = 25;  ///< rad/s: how fast a free joint's error decays (critically damped)
+  double root_frequency = 17;   ///< rad/s: the same for the root and the joints between it and a foot that stands
+  double joint_hold = 0.2;      ///< s/rad: servo gain of a joint that bears load, times its strength^2 / (weight * lever)
+  double assist_limit = 0.5;    ///< body weights: cap of the root assist (moments count at the lever of the root's height)
+  double patience = 0.1;        ///< s: time constant with which the wanted assist is averaged before the figure lets go
   double contact_margin = 0.004;  ///< m: contacts nearer than this can bear load
+  double planted_height = 0.04; ///< m above the present contact: a reference point higher than this is not planted
+  double planted_speed = 0.25;  ///< m/s upwards: a reference point faster than this is not planted
+  double shift_time = 0.12;     ///< s: how fast the path follows feet that have landed elsewhere than the reference's
+  double return_time = 2;       ///< s: how fast it comes back to the reference's path
   Vec3 gravity{0, 0, -9.81};
 };
 
 /// Memory from tick to tick: plain data, for saving and restoring.
 struct ControlState {
   double overload = 0;     ///< averaged wanted assist / cap
+  double shift[3] = {0, 0, 0};  ///< m: by how much the figure's path has left the reference's, as its feet have it
   std::uint64_t let_go = 0;  ///< 1 once the figure has let go
 };
 
@@ -58,7 +65,10 @@ class MotionControl {
   MotionControl(MechanismPtr mechanism, const ControlOptions& options);
 
   /// @param tau [nv, out] drive forces; zero for the root's freedoms and after letting go
-  ControlOutput step(const ControlInput& input, ControlState& state, std::span<double> tau);
+  /// @param servo_gain, servo_velocity [nv, out] N m s/rad, rad/s: the drives also hold the velocity that was planned for the end of
+  ///   the step, with this gain; a joint that bears load resists what was not planned (see contact::StepSystem)
+  ControlOutput step(const ControlInput& input, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
+                     std::span<double> servo_velocity);
 
   [[nodiscard]] const ControlOptions& options() const { return options_; }
   [[nodiscard]] const Mechanism& mechanism() const { return *mechanism_; }
@@ -71,7 +81,9 @@ class MotionControl {
  private:
   MechanismPtr mechanism_;
   ControlOptions options_;
-  dynamics::Workspace workspace_;
+  void find_supports(const ControlInput& input);
+
+  dynamics::Workspace workspace_, reference_;
   ContactForceProblem problem_;
   double lever_ = 1;
   double weight_ = 0;     // N
@@ -81,6 +93,7 @@ class MotionControl {
   std::vector<unsigned char> bears_;  // [nv] lies between the ground and the root
   std::vector<Support> supports_;
   std::vector<int> support_links_;
+  std::vector<Vec3> apart_;      // [supports] from where the reference has the point to where it is
   std::vector<Vec3> forces_;
 };
 
