@@ -8,7 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "ugoki/studio/frame.h"
+#include "ugoki/content/display_frame.h"
+#include "ugoki/content/executable.h"
 
 namespace ugoki::studio::test {
 namespace {
@@ -24,6 +25,7 @@ class FakeSimulation final : public Simulation {
     crash_ = j.value("crash", never);
     hang_ = j.value("hang", never);
     wind_ = j.value("wind", 1.0);
+    start_ = j.value("start", 0.0);
     for (const auto& c : j.value("cast", nlohmann::json::array())) cast_.push_back({c.value("id", "a"), c.value("links", 1)});
     s_.x.resize(cast_.size());
     s_.v.resize(cast_.size());
@@ -56,7 +58,7 @@ class FakeSimulation final : public Simulation {
     return {};
   }
 
-  void save(std::vector<std::byte>& out) const override {
+  void save(std::vector<std::byte>& out) override {
     std::vector<double> all = {static_cast<double>(s_.step), s_.grabbed, s_.target};
     for (const auto* part : {&s_.x, &s_.v, &s_.push, &s_.push_end}) all.insert(all.end(), part->begin(), part->end());
     out.resize(all.size() * sizeof(double));
@@ -86,8 +88,8 @@ class FakeSimulation final : public Simulation {
   void drag(const Vec3& target) override { s_.target = target.x; }
   void release() override { s_.grabbed = -1; }
 
-  void encode_frame(std::vector<std::byte>& out) override { encode(out, s_.x, 0); }
-  void encode_pose(double time, std::vector<std::byte>& out) override { encode(out, std::vector<double>(cast_.size(), time * 10), 3); }
+  void encode_frame(std::vector<std::byte>& out) override { encode(out, s_.x, content::FigureState::tracking); }
+  void encode_pose(double time, std::vector<std::byte>& out) override { encode(out, std::vector<double>(cast_.size(), time * 10 + start_), content::FigureState::edit); }
 
   CharacterSummary summary(int character) override {
     CharacterSummary summary;
@@ -104,25 +106,28 @@ class FakeSimulation final : public Simulation {
     std::vector<double> x, v, push, push_end;
   };
 
-  void encode(std::vector<std::byte>& out, const std::vector<double>& x, std::uint32_t state) {
-    FrameWriter writer(out);
-    writer.begin(static_cast<int>(cast_.size()));
-    if (s_.grabbed >= 0) writer.grab({s_.x[static_cast<std::size_t>(s_.grabbed)], 0, 1}, {s_.target, 0, 1});
-    for (std::size_t c = 0; c < cast_.size(); ++c) {
-      FrameCharacter head;
-      head.state = state;
-      head.assist_force = {1, 2, 3};
-      head.assist_moment = {4, 5, 6};
-      head.assist_over_cap = 0.25;
-      head.weight = 700;
-      head.centre_of_mass = {x[c], 0, 1};
-      writer.character(head, cast_[c].links);
-      for (int l = 0; l < cast_[c].links; ++l) writer.link({rotation_about({0, 0, 1}, 0.5), {x[c], static_cast<double>(l), 1}});
+  void encode(std::vector<std::byte>& out, const std::vector<double>& x, content::FigureState state) {
+    content::DisplayFrame frame;
+    if (s_.grabbed >= 0) {
+      frame.grabbed = true;
+      frame.grab_point = {s_.x[static_cast<std::size_t>(s_.grabbed)], 0, 1};
+      frame.grab_target = {s_.target, 0, 1};
     }
-    if (!cast_.empty()) writer.contact({{1, 2, 3}, {0, 0, 700}, 0, 0});
+    for (std::size_t c = 0; c < cast_.size(); ++c) {
+      content::DisplayCharacter& character = frame.characters.emplace_back();
+      character.state = state;
+      character.assist_force = {1, 2, 3};
+      character.assist_moment = {4, 5, 6};
+      character.assist_ratio = 0.25;
+      character.weight = 700;
+      character.centre_of_mass = {x[c], 0, 1};
+      for (int l = 0; l < cast_[c].links; ++l) character.links.push_back({{x[c], static_cast<double>(l), 1}, axis_angle({0, 0, 1}, 0.5)});
+    }
+    if (!cast_.empty()) frame.contacts.push_back({{1, 2, 3}, {0, 0, 700}, 0, 0});
+    content::encode_frame(frame, 0, 0, out);
   }
 
-  double step_ = 0, duration_ = 0, rate_ = 0, blow_up_ = 0, crash_ = 0, hang_ = 0, wind_ = 0;
+  double step_ = 0, duration_ = 0, rate_ = 0, blow_up_ = 0, crash_ = 0, hang_ = 0, wind_ = 0, start_ = 0;
   std::vector<CastMember> cast_;
   State s_;
 };
@@ -154,9 +159,27 @@ class Reader {
   bool bad_ = false;
 };
 
+/// The same settings for real executable data: the cast from there, the rest from the scenario's name if that is JSON.
+nlohmann::json settings_of(const content::Executable& executable) {
+  nlohmann::json j = nlohmann::json::parse(executable.name, nullptr, false);
+  if (!j.is_object()) j = nlohmann::json::object();
+  j["step"] = executable.step;
+  j["duration"] = executable.duration;
+  j["rate"] = executable.frame_rate;
+  j["cast"] = nlohmann::json::array();
+  for (const content::ExecutableCharacter& c : executable.characters) {
+    j["cast"].push_back({{"id", c.id}, {"links", executable.mechanisms[static_cast<std::size_t>(c.mechanism)]->link_count()}});
+    if (!c.track.empty() && !j.contains("start")) j["start"] = c.track[0].clip.start;
+  }
+  return j;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Simulation>> open_fake_simulation(std::span<const std::byte> executable) {
+  if (Result<content::Executable> real = content::read_executable(executable, "content.ugx")) {
+    return std::unique_ptr<Simulation>(std::make_unique<FakeSimulation>(settings_of(*real)));
+  }
   const auto j = nlohmann::json::parse(reinterpret_cast<const char*>(executable.data()),
                                        reinterpret_cast<const char*>(executable.data()) + executable.size(), nullptr, false);
   if (!j.is_object()) return fail(ErrorCode::syntax, "content.ugx", "This is no executable data.", "Generate it again.");

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fake_simulation.h"
-#include "ugoki/studio/frame.h"
+#include "ugoki/content/display_frame.h"
 
 namespace ugoki::studio {
 namespace {
@@ -86,7 +86,7 @@ TEST_F(InterpreterTest, FramesHaveTheDocumentedLayout) {
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.grab("b", "0", {}, {7, 0, 1}));
   const Frame& f = shown();
-  EXPECT_EQ(f.flags, frame_flag::simulate | frame_flag::live | frame_flag::grab);
+  EXPECT_EQ(f.flags, content::frame_simulate | content::frame_live | content::frame_grab);
   EXPECT_EQ(f.grab[3], 7);
   ASSERT_EQ(f.characters.size(), 2u);
   ASSERT_EQ(f.characters[0].links.size(), 3u);
@@ -122,7 +122,7 @@ TEST_F(InterpreterTest, EditShowsPosesAndPlaysThem) {
   ASSERT_TRUE(interpreter.play(std::nullopt));  // at the end: from the start
   pass(1);
   EXPECT_NEAR(shown().time, 1, 0.02);
-  EXPECT_EQ(shown().flags, frame_flag::playing);
+  EXPECT_EQ(shown().flags, content::frame_playing);
   pass(4);
   EXPECT_EQ(shown().time, 4);
   EXPECT_FALSE(interpreter.playing());
@@ -151,7 +151,7 @@ TEST_F(InterpreterTest, PlaysSixtyFramesASecondOfSimulatedTime) {
   EXPECT_NEAR(contacts[0]["to"].get<double>(), 0.5, 0.02);
   EXPECT_EQ(contacts[1]["feet"], 1);
   ASSERT_TRUE(interpreter.pause());
-  EXPECT_EQ(shown().flags, frame_flag::simulate | frame_flag::live);
+  EXPECT_EQ(shown().flags, content::frame_simulate | content::frame_live);
 }
 
 TEST_F(InterpreterTest, SlowMotionAndFastForwardShowSixtyFramesASecondToo) {
@@ -182,7 +182,7 @@ TEST_F(InterpreterTest, ScrubbingShowsWhatWasRecordedAndPlayingGoesOnFromThere) 
   const std::uint64_t digest = interpreter.head_digest();
   ASSERT_TRUE(interpreter.seek(1));
   EXPECT_EQ(shown().number, 60u);
-  EXPECT_EQ(shown().flags, frame_flag::simulate);  // not live
+  EXPECT_EQ(shown().flags, content::frame_simulate);  // not live
   const float there = shown().characters[0].links[0][0];
   ASSERT_TRUE(interpreter.step_frames(-1));
   EXPECT_EQ(shown().number, 59u);
@@ -192,11 +192,11 @@ TEST_F(InterpreterTest, ScrubbingShowsWhatWasRecordedAndPlayingGoesOnFromThere) 
   EXPECT_EQ(interpreter.simulated(), head);
   ASSERT_TRUE(interpreter.play(std::nullopt));
   pass(0.5);
-  EXPECT_EQ(shown().flags, frame_flag::simulate | frame_flag::playing);
+  EXPECT_EQ(shown().flags, content::frame_simulate | content::frame_playing);
   EXPECT_EQ(interpreter.head_digest(), digest);
   pass(1);
   EXPECT_GT(interpreter.simulated(), head);
-  EXPECT_EQ(shown().flags, frame_flag::simulate | frame_flag::playing | frame_flag::live);
+  EXPECT_EQ(shown().flags, content::frame_simulate | content::frame_playing | content::frame_live);
   EXPECT_NEAR(shown().time, 2.5, 0.02);
 }
 
@@ -297,7 +297,7 @@ TEST_F(InterpreterTest, WrongInputsAreRefusedInWords) {
   EXPECT_EQ(place(interpreter.push("a", "0", {1, 0, 0}, 0)), "force");
   EXPECT_EQ(place(interpreter.drag({0, std::nan(""), 0})), "target");
   EXPECT_EQ(place(interpreter.drag({1, 0, 0})), "accepted");  // late, after a release: nothing happens
-  EXPECT_FALSE(shown().flags & frame_flag::grab);
+  EXPECT_FALSE(shown().flags & content::frame_grab);
 }
 
 TEST_F(InterpreterTest, ABlownUpSimulationStopsAndItsRecordingStays) {

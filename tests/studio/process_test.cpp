@@ -9,8 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "fake_simulation.h"
-#include "ugoki/studio/frame.h"
+#include "ugoki/content/display_frame.h"
 #include "ugoki/studio/interpreter_child.h"
+#include "ugoki/studio/player_simulation.h"
 
 namespace ugoki::studio {
 namespace {
@@ -93,7 +94,7 @@ TEST_F(ProcessTest, PlaysAtSixtyFramesASecondThroughSharedMemory) {
   std::size_t playing = 0;
   for (const Frame& f : listener.frames) {
     EXPECT_TRUE(f.good);
-    if ((f.flags & frame_flag::playing) != 0) ++playing;
+    if ((f.flags & content::frame_playing) != 0) ++playing;
   }
   EXPECT_GE(static_cast<double>(playing), 50 * 1.5);  // counted over simulated time
 }
@@ -207,6 +208,7 @@ TEST(FrameRing, ARunningWriterNeverTearsAFrame) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "interpret-fake") return ugoki::studio::run_interpreter(ugoki::studio::test::open_fake_simulation);
+  if (argc > 1 && std::string_view(argv[1]) == "interpret") return ugoki::studio::run_interpreter(ugoki::studio::open_player);
   testing::InitGoogleTest(&argc, argv);
   return RUN_ALL_TESTS();
 }

@@ -8,6 +8,7 @@
 #include "ugoki/base/check.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/base/number.h"
+#include "ugoki/content/display_frame.h"
 #include "ugoki/studio/frame.h"
 
 namespace ugoki::studio {
@@ -434,8 +435,8 @@ void Interpreter::show_head() {
 }
 
 void Interpreter::send(std::span<std::byte> bytes, double time, bool live) {
-  std::uint32_t flags = playing_ ? frame_flag::playing : 0;
-  if (mode_ == PlayMode::simulate) flags |= frame_flag::simulate | (live ? frame_flag::live : 0);
+  std::uint32_t flags = playing_ ? content::frame_playing : 0u;
+  if (mode_ == PlayMode::simulate) flags |= content::frame_simulate | (live ? content::frame_live : 0u);
   set_frame_marks(bytes, time, static_cast<std::uint32_t>(time * simulation_->frame_rate() + 0.5), flags);
   sink_.frame(bytes);
 }

@@ -45,7 +45,7 @@ class Simulation {
   [[nodiscard]] virtual Result<void> step() = 0;
 
   /// The whole state, so that restore() leads to the same bits from here on.
-  virtual void save(std::vector<std::byte>& out) const = 0;
+  virtual void save(std::vector<std::byte>& out) = 0;
   [[nodiscard]] virtual Result<void> restore(std::span<const std::byte> state) = 0;
 
   // Live inputs act from the next step on.

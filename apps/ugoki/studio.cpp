@@ -1,0 +1,97 @@
+// `ugoki studio`: serves the page until Ctrl+C. And the hidden `interpret`, in which the studio lets content run.
+
+#include "ugoki/studio/studio.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "output.h"
+#include "ugoki/samples/samples.h"
+#include "ugoki/store/library.h"
+#include "ugoki/studio/interpreter_child.h"
+#include "ugoki/studio/player_simulation.h"
+#include "ugoki/studio/static_files.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string project, web, library;
+  std::uint16_t port = 0;
+  bool no_open = false, json = false;
+};
+
+/// The sample content, made where the library lies if it is not there yet.
+Result<project::Project> open_sample(const std::string& library) {
+  const fs::path folder = fs::path(library).parent_path();
+  const std::string path = (folder / "sample.ugoki").string();
+  std::error_code ec;
+  if (fs::exists(path, ec)) return project::Project::open(path);
+  fs::create_directories(folder, ec);
+  if (ec) return fail(ErrorCode::io, folder.string(), "The folder for the sample content cannot be made: " + ec.message() + ".", "Name a project: ugoki studio PROJECT.");
+  samples::Sample sample = samples::make_sample();
+  Result<content::Scenario> document = content::read_scenario(sample.document, "sample");
+  if (!document) return fail(std::move(document.error()));
+  return project::Project::create(path, *document, sample.resources);
+}
+
+int run_studio(const Options& options) {
+  studio::hold_signals();
+  std::error_code ec;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  studio::StudioOptions service;
+  service.port = options.port;
+  service.library_path = options.library.empty() ? store::Library::default_path() : options.library;
+  service.interpreter = {ec ? "/proc/self/exe" : program.string(), {"interpret"}};
+  if (!options.web.empty()) {
+    service.web = options.web;
+  } else if (const auto found = studio::find_web_folder(program)) {
+    service.web = *found;
+  }
+  if (!fs::is_regular_file(service.web / "index.html", ec)) {
+    return print_error(Error(ErrorCode::io, options.web.empty() ? "web/dist" : options.web, "The studio's page is not there.",
+                             "Build it with `npm ci && npm run build` in web/, or name its folder with --web."),
+                       options.json);
+  }
+  Result<project::Project> project = options.project.empty() ? open_sample(service.library_path) : project::Project::open(options.project);
+  if (!project) return print_error(project.error(), options.json);
+  const std::string path = project->path();
+  const Result<std::unique_ptr<studio::Studio>> started = studio::Studio::start(service, std::move(*project));
+  if (!started) return print_error(started.error(), options.json);
+  const std::string address = (*started)->address();
+  if (options.json) {
+    print_json({{"address", address}, {"port", (*started)->port()}, {"token", (*started)->token()}, {"project", path}});
+  } else {
+    print_line("Ugoki studio: " + address);
+    print_line("Project: " + path + " (Ctrl+C ends the studio; every change is kept)");
+  }
+  if (!options.no_open && isatty(STDOUT_FILENO) != 0) studio::open_browser(address);
+  studio::wait_for_signal();
+  return 0;
+}
+
+}  // namespace
+
+void add_studio_verb(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("studio", "Open the studio in the browser.");
+  verb->add_option("project", options->project, "The project, *.ugoki; without it the sample content");
+  verb->add_option("--port", options->port, "Port on 127.0.0.1; without it any free one");
+  verb->add_flag("--no-open", options->no_open, "Do not open a browser");
+  verb->add_option("--web", options->web, "Folder of the built page");
+  verb->add_option("--library", options->library, "The library's file (default: $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--json", options->json, "Print the address as one JSON object");
+  verb->footer("Example:\n  ugoki studio park.ugoki --port 8420");
+  verb->callback([options, &action] { action = [options] { return run_studio(*options); }; });
+
+  CLI::App* interpret = app.add_subcommand("interpret", "Run content for a studio.");
+  interpret->group("");  // not for people
+  interpret->callback([&action] { action = [] { return studio::run_interpreter(studio::open_player); }; });
+}
+
+}  // namespace ugoki::cli

@@ -1,0 +1,118 @@
+#include "ugoki/studio/display_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+Json pose_json(const Pose& X) {
+  const Quat q = to_quat(X.R);
+  return {X.p.x, X.p.y, X.p.z, q.w, q.x, q.y, q.z};
+}
+
+std::string_view name_of(ShapeType type) {
+  switch (type) {
+    case ShapeType::sphere: return "sphere";
+    case ShapeType::capsule: return "capsule";
+    case ShapeType::box: return "box";
+  }
+  return "sphere";
+}
+
+std::vector<Pose> neutral_poses(const Mechanism& mechanism) {
+  std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
+  calc_poses(mechanism, mechanism.neutral(), X);
+  return X;
+}
+
+/// Half of the shape's extent along the direction d (unit, in the shape's frame).
+double half_extent(const Shape& s, const Vec3& d) {
+  if (s.type == ShapeType::box) {
+    return s.half_extents.x * std::abs(d.x) + s.half_extents.y * std::abs(d.y) + s.half_extents.z * std::abs(d.z);
+  }
+  return s.radius + (s.type == ShapeType::capsule ? s.half_length * std::abs(d.z) : 0);
+}
+
+}  // namespace
+
+double shown_height(const Mechanism& mechanism) {
+  const std::vector<Pose> X = neutral_poses(mechanism);
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (int i = 0; i < mechanism.link_count(); ++i) {
+    for (const Shape& s : mechanism.link(i).shapes) {
+      if (!s.visible) continue;
+      const Pose X_WS = X[static_cast<std::size_t>(i)] * s.X_BS;
+      const double half = half_extent(s, X_WS.R.row(2));
+      low = std::min(low, X_WS.p.z - half);
+      high = std::max(high, X_WS.p.z + half);
+    }
+  }
+  return high > low ? high - low : 0;
+}
+
+std::string mechanism_json(std::string_view id, const Mechanism& mechanism) {
+  const std::vector<Pose> X = neutral_poses(mechanism);
+  Json links = Json::array();
+  for (int i = 0; i < mechanism.link_count(); ++i) {
+    const Link& link = mechanism.link(i);
+    Json shapes = Json::array();
+    for (const Shape& s : link.shapes) {
+      if (!s.visible) continue;
+      shapes.push_back({{"type", name_of(s.type)},
+                        {"radius", s.radius},
+                        {"half_length", s.half_length},
+                        {"half_extents", {s.half_extents.x, s.half_extents.y, s.half_extents.z}},
+                        {"pose", pose_json(s.X_BS)}});
+    }
+    links.push_back({{"name", link.name},
+                     {"label", link.label},
+                     {"parent", link.parent},
+                     {"joint", ugoki::name_of(link.joint.type)},
+                     {"freedoms", link.joint.nv()},
+                     {"shapes", std::move(shapes)},
+                     {"neutral", pose_json(X[static_cast<std::size_t>(i)])}});
+  }
+  return Json{{"id", id},
+              {"name", mechanism.name()},
+              {"freedoms", mechanism.nv()},
+              {"mass", mechanism.mass()},
+              {"height", shown_height(mechanism)},
+              {"links", std::move(links)}}
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::vector<double> thumbnail_curve(const Motion& motion, const Mechanism& mechanism) {
+  if (motion.frames < 2 || motion.nq != mechanism.nq()) return {};
+  const int root = mechanism.link_count() > 0 ? mechanism.link(0).joint.nq() : 0;
+  int best = -1;
+  double most = 1e-6;
+  for (int i = root < motion.nq ? root : 0; i < motion.nq; ++i) {
+    double sum = 0, squares = 0;
+    for (int f = 0; f < motion.frames; ++f) {
+      const double q = motion.frame(f)[i];
+      sum += q;
+      squares += q * q;
+    }
+    const double variance = squares / motion.frames - sum / motion.frames * (sum / motion.frames);
+    if (variance > most) {
+      most = variance;
+      best = i;
+    }
+  }
+  if (best < 0) return {};
+  const int count = std::min(48, motion.frames);
+  std::vector<double> curve;
+  for (int k = 0; k < count; ++k) curve.push_back(motion.frame(static_cast<int>(static_cast<long>(k) * (motion.frames - 1) / (count - 1)))[best]);
+  const auto [low, high] = std::ranges::minmax(curve);
+  for (double& value : curve) value = high > low ? std::round(1000 * (value - low) / (high - low)) / 1000 : 0.5;
+  return curve;
+}
+
+}  // namespace ugoki::studio

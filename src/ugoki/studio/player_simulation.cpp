@@ -1,0 +1,103 @@
+#include "ugoki/studio/player_simulation.h"
+
+#include <utility>
+
+#include "ugoki/content/player.h"
+
+namespace ugoki::studio {
+namespace {
+
+class PlayerSimulation final : public Simulation {
+ public:
+  explicit PlayerSimulation(content::Player player) : player_(std::move(player)) {
+    for (const content::ExecutableCharacter& c : player_.content().characters) {
+      cast_.push_back({c.id, player_.content().mechanisms[static_cast<std::size_t>(c.mechanism)]->link_count()});
+    }
+  }
+
+  double step_size() const override { return player_.step_size(); }
+  double duration() const override { return player_.content().duration; }
+  double frame_rate() const override { return player_.content().frame_rate; }
+  const std::vector<CastMember>& cast() const override { return cast_; }
+  int find_link(int character, std::string_view name) const override { return player_.find_link(character, name); }
+
+  std::int64_t step_count() const override { return static_cast<std::int64_t>(player_.step_count()); }
+  Result<void> step() override {
+    given_ = Given::nothing;
+    return player_.step();
+  }
+  void save(std::vector<std::byte>& out) override { player_.save(out); }
+  Result<void> restore(std::span<const std::byte> state) override {
+    given_ = Given::nothing;
+    return player_.restore(state);
+  }
+
+  void push(int character, int link, const Vec3& force, double duration) override { player_.push(character, link, force, duration); }
+  void grab(int character, int link, const Vec3& point, const Vec3& target) override {
+    player_.grab(character, link, point, target);
+    given_ = Given::grab;
+    grab_character_ = static_cast<std::size_t>(character);
+    grab_link_ = static_cast<std::size_t>(link);
+    grab_point_ = point;
+    grab_target_ = target;
+  }
+  void drag(const Vec3& target) override {
+    player_.drag(target);
+    if (given_ == Given::nothing) given_ = Given::drag;
+    grab_target_ = target;
+  }
+  void release() override {
+    player_.release();
+    given_ = Given::release;
+  }
+
+  void encode_frame(std::vector<std::byte>& out) override {
+    player_.display_frame(frame_);
+    show_given();
+    content::encode_frame(frame_, 0, 0, out);
+  }
+  void encode_pose(double time, std::vector<std::byte>& out) override {
+    player_.pose_at(time, frame_);
+    content::encode_frame(frame_, 0, 0, out);
+  }
+
+  CharacterSummary summary(int character) override {
+    const content::PlayerMeasures m = player_.measures(character);
+    return {m.assist_rms_bw, m.foot_skate_cm, m.tracking_rms_deg, m.penetration_mm, m.fell};
+  }
+  std::uint8_t feet_on_ground(int character) override {
+    const int feet = player_.measures(character).feet_on_ground;
+    return feet < 0 ? 255 : static_cast<std::uint8_t>(feet);
+  }
+
+ private:
+  /// What a user did since the last step: the player acts on it at the next one, the page sees it at once.
+  enum class Given { nothing, grab, drag, release };
+
+  void show_given() {
+    if (given_ == Given::release) frame_.grabbed = false;
+    if (given_ == Given::drag && frame_.grabbed) frame_.grab_target = grab_target_;
+    if (given_ != Given::grab) return;
+    const content::DisplayPose& link = frame_.characters[grab_character_].links[grab_link_];
+    frame_.grabbed = true;
+    frame_.grab_point = link.p + rotate(link.r, grab_point_);
+    frame_.grab_target = grab_target_;
+  }
+
+  content::Player player_;
+  std::vector<CastMember> cast_;
+  content::DisplayFrame frame_;
+  Given given_ = Given::nothing;
+  std::size_t grab_character_ = 0, grab_link_ = 0;
+  Vec3 grab_point_, grab_target_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Simulation>> open_player(std::span<const std::byte> executable) {
+  Result<content::Player> player = content::Player::open(executable, "content");
+  if (!player) return fail(std::move(player.error()));
+  return std::unique_ptr<Simulation>(std::make_unique<PlayerSimulation>(std::move(*player)));
+}
+
+}  // namespace ugoki::studio

@@ -1,0 +1,423 @@
+#include "ugoki/studio/session.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "ugoki/base/number.h"
+#include "ugoki/circuit/circuit.h"
+#include "ugoki/content/ugx.h"
+#include "ugoki/studio/error_json.h"
+#include "ugoki/studio/frame.h"
+
+namespace ugoki::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+/// True if brackets are nested so deeply that the JSON library's recursion could run out of stack.
+bool is_too_deep(std::string_view text) {
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\\' && quoted) ++i;
+    else if (c == '"') quoted = !quoted;
+    else if (!quoted && (c == '{' || c == '[') && ++depth > 100) return true;
+    else if (!quoted && (c == '}' || c == ']')) --depth;
+  }
+  return false;
+}
+
+/// The circuit as the page shows it.
+std::string shown_circuit(std::span<const std::byte> executable) {
+  const Result<content::Ugx> ugx = content::read_ugx(executable);
+  const content::UgxSection* section = ugx ? ugx->find("circuit") : nullptr;
+  if (section == nullptr) return {};
+  const Result<circuit::Circuit> circuit = circuit::read_circuit(section->text());
+  if (!circuit || circuit->lsis.empty()) return {};
+  Json lsis = Json::array(), wires = Json::array();
+  for (const circuit::Instance& lsi : circuit->lsis) {
+    lsis.push_back({{"id", lsi.id}, {"type", lsi.type}, {"name", lsi.label.empty() ? lsi.id : lsi.label}, {"x", lsi.at.x}, {"y", lsi.at.y}});
+  }
+  for (const circuit::Wire& wire : circuit->wires) wires.push_back({{"from", wire.from}, {"to", wire.to}});
+  return text_of({{"lsis", std::move(lsis)}, {"wires", std::move(wires)}});
+}
+
+}  // namespace
+
+struct Session::Request {
+  Json json;
+  ClientId client = 0;
+  std::string reply_to = "null";
+  std::string op;
+
+  /// A field's problem.
+  [[nodiscard]] static std::unexpected<Error> wrong(const std::string& field, const std::string& wanted) {
+    return fail(ErrorCode::syntax, field, "\"" + field + "\" must be " + wanted + ".", "See docs/studio-protocol.md.");
+  }
+  [[nodiscard]] bool has_number(const char* key) const { return json.contains(key) && json[key].is_number(); }
+  [[nodiscard]] bool has_vector(const char* key) const {
+    return json.contains(key) && json[key].is_array() && json[key].size() == 3 &&
+           std::ranges::all_of(json[key], [](const Json& part) { return part.is_number(); });
+  }
+};
+
+Session::Session(SessionOptions options, project::Project project, Outbox& outbox, std::function<void(std::function<void()>)> post)
+    : options_(std::move(options)), project_(std::move(project)), outbox_(outbox), post_(std::move(post)) {}
+
+Session::~Session() = default;
+
+void Session::start() {
+  generate();
+  if (Result<void> r = ensure_interpreter(); !r) log("error", r.error().text());
+}
+
+void Session::stop() {
+  ++generation_;
+  pid_ = -1;
+  process_.reset();
+}
+
+void Session::on_message(ClientId client, std::string_view text) {
+  Request request;
+  request.client = client;
+  if (!is_too_deep(text)) request.json = Json::parse(text, nullptr, false);
+  if (!request.json.is_object()) {
+    return reply(client, "null", fail(ErrorCode::syntax, "message", "This is no JSON object.", "Send {\"id\": 1, \"op\": \"hello\"}, for example."));
+  }
+  if (const auto id = request.json.find("id"); id != request.json.end() && (id->is_number() || id->is_string())) request.reply_to = text_of(*id);
+  const auto op = request.json.find("op");
+  if (op == request.json.end() || !op->is_string()) return reply(client, request.reply_to, Request::wrong("op", "the name of an operation"));
+  request.op = op->get<std::string>();
+  bool answered = true;
+  Result<std::string> result;
+  try {
+    result = serve(request, answered);
+  } catch (const std::exception& e) {  // of the JSON library, or out of memory
+    result = fail(ErrorCode::io, request.op, std::string("The studio failed at this: ") + e.what() + ".", "The project is safe; go on.");
+  }
+  if (answered || !result) reply(client, request.reply_to, result);
+}
+
+/// @param answered false: the interpreter's reply will be the answer
+/// @return the answer's fields, each with a comma before it
+Result<std::string> Session::serve(const Request& request, bool& answered) {
+  if (request.op == "hello") {
+    const std::string fields = hello();
+    FrameBytes frame;
+    {
+      const std::scoped_lock lock(frame_mutex_);
+      frame = last_frame_;
+    }
+    reply(request.client, request.reply_to, fields);
+    answered = false;
+    if (!summary_.empty()) outbox_.send(request.client, summary_);
+    if (frame) outbox_.send_frame(request.client, frame);
+    return {};
+  }
+  if (request.op == "command") return execute(request);
+  if (request.op == "undo" || request.op == "redo") return undo_or_redo(request.op == "undo");
+  if (request.op == "save") return save(request);
+  if (Result<void> r = check_transport(request); !r) return fail(std::move(r.error()));
+  if (Result<void> r = forward(request); !r) return fail(std::move(r.error()));
+  answered = false;
+  return {};
+}
+
+std::string Session::hello() const {
+  const Json keymap = "industry";
+  std::string fields = "," + document_fields() + ",\"transport\":" + transport_event() + ",\"keymap\":" + text_of(keymap);
+  if (!circuit_.empty()) fields += ",\"circuit\":" + circuit_;
+  return fields;
+}
+
+std::string Session::document_fields() const {
+  Json characters = Json::array();
+  for (const content::ScenarioCharacter& c : project_.scenario().characters) {
+    const auto mechanism = project_.resources().mechanisms.find(c.mechanism);
+    const int links = mechanism != project_.resources().mechanisms.end() ? mechanism->second->link_count() : 0;
+    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"links", links}});
+  }
+  const Json project = {{"path", project_.path()}, {"name", file_name(project_.path())}, {"unsaved", project_.unsaved()}};
+  const Json state = {{"project", project},
+                      {"characters", std::move(characters)},
+                      {"can_undo", project_.can_undo()},
+                      {"can_redo", project_.can_redo()},
+                      {"undo_label", project_.undo_label()},
+                      {"redo_label", project_.redo_label()},
+                      {"unsaved", project_.unsaved()},
+                      {"revision", project_.revision()}};
+  std::string fields = text_of(state);
+  return fields.substr(1, fields.size() - 2) + ",\"document\":" + project_.document();
+}
+
+std::string Session::transport_event() const {
+  if (!transport_.empty()) return transport_;
+  return text_of({{"event", "transport"},
+                  {"mode", simulate_ ? "simulate" : "edit"},
+                  {"playing", false},
+                  {"speed", speed_},
+                  {"time", 0},
+                  {"duration", project_.scenario().duration},
+                  {"simulated", 0},
+                  {"steps_per_s", 0},
+                  {"realtime_factor", 0},
+                  {"status", "ready"}});
+}
+
+Result<std::string> Session::execute(const Request& request) {
+  const auto command = request.json.find("command");
+  if (command == request.json.end() || !command->is_object()) return Request::wrong("command", "an object of docs/scenario.md");
+  if (!library_ && !options_.library_path.empty()) {
+    if (Result<store::Library> opened = store::Library::open(options_.library_path)) library_.emplace(std::move(*opened));
+  }
+  Result<project::Change> change = project_.execute(text_of(*command), library_ ? &*library_ : nullptr);
+  if (!change) return fail(std::move(change.error()));
+  if (!change->label.empty()) changed();
+  return ",\"label\":" + text_of(change->label) + ",\"created\":" + text_of(change->created) + ",\"revision\":" + std::to_string(project_.revision());
+}
+
+Result<std::string> Session::undo_or_redo(bool undo) {
+  Result<std::string> label = undo ? project_.undo() : project_.redo();
+  if (!label) return label;
+  changed();
+  return ",\"label\":" + text_of(*label) + ",\"revision\":" + std::to_string(project_.revision());
+}
+
+Result<std::string> Session::save(const Request& request) {
+  const auto path = request.json.find("path");
+  const auto overwrite = request.json.find("overwrite");
+  Result<void> saved;
+  if (path == request.json.end() || path->is_null()) {
+    saved = project_.save();
+  } else {
+    if (!path->is_string() || path->get<std::string>().empty()) return Request::wrong("path", "the path of a file");
+    std::filesystem::path to = path->get<std::string>();
+    if (to.extension() != ".ugoki") to += ".ugoki";
+    if (to.is_relative()) to = std::filesystem::path(project_.path()).parent_path() / to;
+    saved = project_.save_as(to.string(), overwrite != request.json.end() && overwrite->is_boolean() && overwrite->get<bool>());
+  }
+  if (!saved) return fail(std::move(saved.error()));
+  outbox_.broadcast("{\"event\":\"document\"," + document_fields() + "}");
+  return ",\"path\":" + text_of(project_.path());
+}
+
+Result<void> Session::check_transport(const Request& request) const {
+  const std::string& op = request.op;
+  const auto field = [&](const char* key) { return request.json.contains(key) ? request.json[key] : Json(); };
+  if (op == "mode") {
+    if (field("mode") != "edit" && field("mode") != "simulate") return Request::wrong("mode", "\"edit\" or \"simulate\"");
+  } else if (op == "play") {
+    if (!field("speed").is_null() && !request.has_number("speed")) return Request::wrong("speed", "a number");
+  } else if (op == "step") {
+    if (!field("frames").is_number_integer() || (field("frames") != 1 && field("frames") != -1)) return Request::wrong("frames", "1 or -1");
+  } else if (op == "seek") {
+    if (!request.has_number("time")) return Request::wrong("time", "a number of seconds");
+  } else if (op == "drag") {
+    if (!request.has_vector("target")) return Request::wrong("target", "three numbers");
+  } else if (op == "grab" || op == "push") {
+    if (!field("character").is_string()) return Request::wrong("character", "a character's id");
+    if (!field("link").is_number_integer() && !field("link").is_string()) return Request::wrong("link", "a link's index or name");
+    const char* vectors[] = {op == "grab" ? "point" : "force", op == "grab" ? "target" : "force"};
+    for (const char* key : vectors) {
+      if (!request.has_vector(key)) return Request::wrong(key, "three numbers");
+    }
+    if (op == "push" && !request.has_number("duration")) return Request::wrong("duration", "a number of seconds");
+  } else if (op != "pause" && op != "restart" && op != "release") {
+    return fail(ErrorCode::unknown, "op", "There is no operation \"" + op + "\".", "See docs/studio-protocol.md for those that there are.");
+  }
+  return {};
+}
+
+Result<void> Session::forward(const Request& request) {
+  const bool quiet = request.op == "drag";
+  if (!process_ && (quiet || request.op == "release" || request.op == "pause")) {
+    if (!quiet) reply(request.client, request.reply_to, std::string());  // nothing runs: that is what was asked for
+    return {};
+  }
+  if (Result<void> r = ensure_interpreter(); !r) return r;
+  Json message = request.json;
+  message.erase("id");
+  if (message.contains("link") && message["link"].is_number()) message["link"] = text_of(message["link"]);
+  if (request.op == "mode") simulate_ = message["mode"] == "simulate";
+  if (request.op == "play" && request.has_number("speed")) speed_ = message["speed"].get<double>();
+  if (send_to_interpreter(text_of(message), {}, {request.client, request.reply_to, quiet})) return {};
+  return fail(ErrorCode::io, "interpreter", "The interpreter does not listen.", "Play again; it will be started anew.");
+}
+
+void Session::changed() {
+  outbox_.broadcast("{\"event\":\"document\"," + document_fields() + "}");
+  generate();
+  if (!process_ || executable_.empty()) return;
+  send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
+}
+
+void Session::generate() {
+  Result<std::vector<std::byte>> made = project_.generate();
+  if (!made) return log("error", "What plays is still the content before this change: " + made.error().text());
+  executable_ = std::move(*made);
+  circuit_ = shown_circuit(executable_);
+}
+
+Result<void> Session::ensure_interpreter() {
+  if (process_) return {};
+  if (executable_.empty()) {
+    return fail(ErrorCode::structure, "content", "The content could not be generated.", "Mend what the log names.");
+  }
+  const std::uint64_t generation = ++generation_;
+  InterpreterEvents events;
+  events.frame = [this](std::vector<std::byte> bytes) {
+    auto frame = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+    {
+      const std::scoped_lock lock(frame_mutex_);
+      last_frame_ = frame;
+    }
+    outbox_.broadcast_frame(std::move(frame));
+  };
+  events.message = [this, generation](std::string text) {
+    post_([this, generation, message = std::move(text)] {
+      if (generation == generation_) on_interpreter_message(message);
+    });
+  };
+  events.ended = [this, generation](std::string reason) {
+    post_([this, generation, why = std::move(reason)] {
+      if (generation == generation_) on_interpreter_end(why);
+    });
+  };
+  Result<std::unique_ptr<InterpreterProcess>> started = InterpreterProcess::start(options_.interpreter, std::move(events));
+  if (!started) return fail(std::move(started.error()));
+  process_ = std::move(*started);
+  pid_ = process_->pid();
+  ping_ = 0;
+  send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
+  if (simulate_) send_to_interpreter(R"({"op":"mode","mode":"simulate"})", {}, {});
+  return {};
+}
+
+bool Session::send_to_interpreter(std::string request, const std::vector<std::byte>& block, Pending pending) {
+  if (!process_) return false;
+  const int id = ++last_request_;
+  request.insert(1, "\"request\":" + std::to_string(id) + ",");
+  pending_[id] = std::move(pending);
+  if (process_->send(request, block)) return true;
+  pending_.erase(id);
+  process_->kill_unanswering();  // its end will be told by its own event
+  return false;
+}
+
+void Session::on_interpreter_message(const std::string& text) {
+  const Json message = Json::parse(text, nullptr, false);
+  if (!message.is_object()) return;
+  if (const auto event = message.find("event"); event != message.end() && event->is_string()) {
+    if (*event == "transport") transport_ = text;
+    if (*event == "summary") summary_ = text;
+    outbox_.broadcast(text);
+    return;
+  }
+  const auto id = message.find("reply");
+  if (id == message.end() || !id->is_number_integer()) return;
+  const int number = id->get<int>();
+  if (number == ping_) ping_ = 0;
+  const auto found = pending_.find(number);
+  if (found == pending_.end()) return;
+  const Pending pending = std::move(found->second);
+  pending_.erase(found);
+  const bool ok = message.value("ok", false);
+  if (pending.client != 0) {
+    if (ok && pending.quiet) return;
+    const std::string error = message.contains("error") ? text_of(message["error"]) : "{\"problems\":[]}";
+    outbox_.send(pending.client, "{\"reply\":" + pending.reply_to + ",\"ok\":" + (ok ? "true}" : "false,\"error\":" + error + "}"));
+  } else if (!ok && pending.reply_to == "content") {
+    std::string why;
+    for (const Json& p : message.value("error", Json::object()).value("problems", Json::array())) {
+      why += p.value("place", "") + ": " + p.value("message", "") + " " + p.value("remedy", "") + "\n";
+    }
+    log("error", "The content cannot be played: " + why);
+  }
+}
+
+void Session::on_interpreter_end(const std::string& reason) {
+  double time = 0;
+  {
+    const std::scoped_lock lock(frame_mutex_);
+    if (last_frame_) time = frame_time(*last_frame_);
+  }
+  lose_interpreter(reason + " It stood at " + to_fixed(time, 2) + " s.");
+}
+
+void Session::lose_interpreter(const std::string& reason) {
+  ++generation_;
+  pid_ = -1;
+  process_.reset();
+  ping_ = 0;
+  const std::map<int, Pending> lost = std::exchange(pending_, {});
+  for (const auto& [id, pending] : lost) {
+    if (pending.client != 0 && !pending.quiet) {
+      reply(pending.client, pending.reply_to, fail(ErrorCode::io, "interpreter", reason, "Play again; it will be started anew."));
+    }
+  }
+  outbox_.broadcast(text_of({{"event", "stopped"}, {"reason", reason}}));
+  Json transport = Json::parse(transport_event(), nullptr, false);
+  transport["playing"] = false;
+  transport["simulated"] = 0;
+  transport["status"] = "stopped";
+  transport_ = text_of(transport);
+  outbox_.broadcast(transport_);
+}
+
+void Session::on_time() {
+  if (!process_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (ping_ == 0) {
+    if (now - ping_time_ < options_.patience / 10) return;
+    ping_time_ = now;
+    if (send_to_interpreter(R"({"op":"ping"})", {}, {})) ping_ = last_request_;
+  } else if (now - ping_time_ > options_.patience) {
+    ping_time_ = now;
+    process_->kill_unanswering();
+  }
+}
+
+void Session::announce_library() { outbox_.broadcast(R"({"event":"library"})"); }
+
+MechanismPtr Session::find_mechanism(std::string_view id) const {
+  const auto found = project_.resources().mechanisms.find(id);
+  return found != project_.resources().mechanisms.end() ? found->second : nullptr;
+}
+
+std::vector<ProjectEntry> Session::project_entries() const {
+  const content::Resources& resources = project_.resources();
+  std::vector<ProjectEntry> entries;
+  for (const auto& [id, mechanism] : resources.mechanisms) entries.push_back({id, mechanism, id, nullptr});
+  for (const auto& [id, motion] : resources.motions) {
+    ProjectEntry entry{id, nullptr, "", motion};
+    for (const auto& [mechanism_id, mechanism] : resources.mechanisms) {
+      if (mechanism->nq() != motion->nq || (entry.mechanism && mechanism->name() != motion->mechanism)) continue;
+      entry.mechanism = mechanism;
+      entry.mechanism_id = mechanism_id;
+    }
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+void Session::log(std::string_view level, std::string_view text) {
+  while (!text.empty() && text.back() == '\n') text.remove_suffix(1);
+  outbox_.broadcast(text_of({{"event", "log"}, {"level", level}, {"text", text}}));
+}
+
+void Session::reply(ClientId client, const std::string& reply_to, const Result<std::string>& result) {
+  if (result) {
+    outbox_.send(client, "{\"reply\":" + reply_to + ",\"ok\":true" + *result + "}");
+  } else {
+    outbox_.send(client, "{\"reply\":" + reply_to + ",\"ok\":false,\"error\":" + error_json(result.error()) + "}");
+  }
+}
+
+}  // namespace ugoki::studio

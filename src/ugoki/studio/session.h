@@ -1,0 +1,115 @@
+#pragma once
+// The open project and everybody who works on it: commands, undo, events to all pages, the interpreter's life. Knows no
+// sockets. All members are called on one thread but for the interpreter's frames.
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "ugoki/base/result.h"
+#include "ugoki/project/project.h"
+#include "ugoki/store/library.h"
+#include "ugoki/studio/interpreter_process.h"
+#include "ugoki/studio/outbox.h"
+
+namespace ugoki::studio {
+
+struct SessionOptions {
+  std::string library_path;       ///< where commands fetch mechanisms and motions from; empty: nowhere
+  InterpreterProgram interpreter;
+  std::chrono::milliseconds patience{10'000};  ///< with an interpreter that does not answer
+};
+
+/// A motion or mechanism of the open project, as the library lists it.
+struct ProjectEntry {
+  std::string id;
+  MechanismPtr mechanism;     ///< of a motion: the one that it fits, perhaps null
+  std::string mechanism_id;
+  MotionPtr motion;           ///< null: the entry is the mechanism
+};
+
+class Session {
+ public:
+  /// @param post runs a task on the session's thread, later
+  Session(SessionOptions options, project::Project project, Outbox& outbox, std::function<void(std::function<void()>)> post);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Starts the interpreter with the content as it is.
+  void start();
+  /// Ends the interpreter for good.
+  void stop();
+  /// A message from a page (docs/studio-protocol.md). Whatever it is, it is answered.
+  void on_message(ClientId client, std::string_view text);
+  /// To be called a few times a second: notices an interpreter that does not answer.
+  void on_time();
+  /// Tells every page that the library's entries changed.
+  void announce_library();
+
+  [[nodiscard]] MechanismPtr find_mechanism(std::string_view id) const;
+  [[nodiscard]] std::vector<ProjectEntry> project_entries() const;
+  [[nodiscard]] const project::Project& project() const { return project_; }
+  [[nodiscard]] int interpreter_pid() const { return pid_; }  ///< -1: none. From any thread
+
+ private:
+  struct Request;  // one message from a page
+  struct Pending {
+    ClientId client = 0;   ///< 0: nobody waits for the reply
+    std::string reply_to;  ///< the page's id as JSON
+    bool quiet = false;    ///< only a failure is told
+  };
+
+  [[nodiscard]] Result<std::string> serve(const Request& request, bool& answered);
+  [[nodiscard]] std::string hello() const;
+  [[nodiscard]] Result<std::string> execute(const Request& request);
+  [[nodiscard]] Result<std::string> undo_or_redo(bool undo);
+  [[nodiscard]] Result<std::string> save(const Request& request);
+  [[nodiscard]] Result<void> check_transport(const Request& request) const;
+  [[nodiscard]] Result<void> forward(const Request& request);
+
+  void changed();
+  void generate();
+  [[nodiscard]] Result<void> ensure_interpreter();
+  bool send_to_interpreter(std::string request, const std::vector<std::byte>& block, Pending pending);
+  void on_interpreter_message(const std::string& text);
+  void on_interpreter_end(const std::string& reason);
+  void lose_interpreter(const std::string& reason);
+  [[nodiscard]] std::string document_fields() const;
+  [[nodiscard]] std::string transport_event() const;
+  void log(std::string_view level, std::string_view text);
+  void reply(ClientId client, const std::string& reply_to, const Result<std::string>& result);
+
+  SessionOptions options_;
+  project::Project project_;
+  std::optional<store::Library> library_;
+  Outbox& outbox_;
+  std::function<void(std::function<void()>)> post_;
+
+  std::unique_ptr<InterpreterProcess> process_;
+  std::atomic<int> pid_ = -1;
+  std::uint64_t generation_ = 0;      ///< of the process; what comes from older ones is ignored
+  std::vector<std::byte> executable_; ///< the newest that could be generated
+  std::string circuit_;               ///< JSON of its circuit for display
+  int last_request_ = 0;
+  std::map<int, Pending> pending_;
+  int ping_ = 0;                      ///< request id of a ping without answer; 0: none
+  std::chrono::steady_clock::time_point ping_time_;
+
+  std::string transport_;             ///< newest transport event
+  std::string summary_;               ///< newest summary event
+  bool simulate_ = false;             ///< mode that a new interpreter gets
+  double speed_ = 1;
+  mutable std::mutex frame_mutex_;
+  FrameBytes last_frame_;
+};
+
+}  // namespace ugoki::studio

@@ -1,0 +1,215 @@
+#include "ugoki/studio/studio.h"
+
+#include <pthread.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <utility>
+
+#include "ugoki/store/library.h"
+#include "ugoki/studio/display_json.h"
+#include "ugoki/studio/error_json.h"
+#include "ugoki/studio/library_service.h"
+#include "ugoki/studio/security.h"
+#include "ugoki/studio/server.h"
+#include "ugoki/studio/session.h"
+#include "ugoki/studio/static_files.h"
+#include "ugoki/studio/task_queue.h"
+
+namespace ugoki::studio {
+namespace {
+
+constexpr std::chrono::milliseconds session_period{250};
+
+ApiReply refused(const Error& error) { return {http_status_of(error), error_body(error)}; }
+ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{200, *result} : refused(result.error()); }
+
+/// Passes texts and frames to the server while there is one.
+class LateOutbox final : public Outbox {
+ public:
+  /// After set(nullptr) returned, the server is used no more.
+  void set(Server* server) {
+    const std::scoped_lock lock(mutex_);
+    server_ = server;
+  }
+  void send(ClientId client, std::string text) override {
+    const std::scoped_lock lock(mutex_);
+    if (server_ != nullptr) server_->send(client, std::move(text));
+  }
+  void broadcast(std::string text) override {
+    const std::scoped_lock lock(mutex_);
+    if (server_ != nullptr) server_->broadcast(std::move(text));
+  }
+  void broadcast_frame(FrameBytes frame) override {
+    const std::scoped_lock lock(mutex_);
+    if (server_ != nullptr) server_->broadcast_frame(std::move(frame));
+  }
+  void send_frame(ClientId client, FrameBytes frame) override {
+    const std::scoped_lock lock(mutex_);
+    if (server_ != nullptr) server_->send_frame(client, std::move(frame));
+  }
+
+ private:
+  std::mutex mutex_;
+  Server* server_ = nullptr;
+};
+
+}  // namespace
+
+/// Three threads beside the caller's: the server's, the session's (project, commands), the library's (lists, imports).
+class Studio::Impl final : public ServerEvents {
+ public:
+  Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
+    const SessionOptions session{options.library_path, options.interpreter};
+    session_ = std::make_unique<Session>(session, std::move(project), outbox_, [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
+    session_queue_ = std::make_unique<TaskQueue>(session_period, [this] { session_->on_time(); });
+    library_queue_ = std::make_unique<TaskQueue>();
+  }
+
+  ~Impl() override {
+    outbox_.set(nullptr);
+    server_.reset();  // no request comes any more
+    library_queue_->close();
+    session_queue_->post([this] { session_->stop(); });  // no interpreter calls any more
+    session_queue_->close();
+  }
+
+  Result<void> start(const StudioOptions& options) {
+    ServerOptions server;
+    server.port = options.port;
+    server.web = options.web;
+    Result<std::unique_ptr<Server>> listening = Server::listen(std::move(server), *this);
+    if (!listening) return fail(std::move(listening.error()));
+    server_ = std::move(*listening);
+    outbox_.set(server_.get());
+    session_queue_->post([this] { session_->start(); });
+    return {};
+  }
+
+  void on_message(ClientId client, std::string text, std::function<void()> done) override {
+    session_queue_->post([this, client, message = std::move(text), finished = std::move(done)] {
+      session_->on_message(client, message);
+      finished();
+    });
+  }
+  void on_close(ClientId) override {}
+  void on_api(ApiRequest request, std::function<void(ApiReply)> answer) override;
+
+  [[nodiscard]] const Server& server() const { return *server_; }
+  [[nodiscard]] const Session& session() const { return *session_; }
+
+ private:
+  /// Does `work` on a queue and answers with what it gives, whatever happens.
+  template <class Work>
+  static void answer_on(TaskQueue& queue, std::function<void(ApiReply)> answer, Work work) {
+    queue.post([reply = std::move(answer), make = std::move(work)]() mutable {
+      Result<std::string> result;
+      try {
+        result = make();
+      } catch (const std::exception& e) {  // of a library, or out of memory
+        result = fail(ErrorCode::io, "studio", std::string("The studio failed at this: ") + e.what() + ".", "The project is safe; go on.");
+      }
+      reply(answer_of(result));
+    });
+  }
+
+  LateOutbox outbox_;
+  std::unique_ptr<Server> server_;
+  std::unique_ptr<Session> session_;
+  LibraryService library_;
+  std::unique_ptr<TaskQueue> session_queue_, library_queue_;
+};
+
+void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answer) {
+  const std::string& path = request.path;
+  const bool get = request.method == "GET", post = request.method == "POST";
+  if (path == "/api/library" && get) {
+    const std::string kind = query_value(request.query, "kind").value_or(""), words = query_value(request.query, "q").value_or("");
+    session_queue_->post([this, kind, words, reply = std::move(answer)]() mutable {
+      answer_on(*library_queue_, std::move(reply), [this, kind, words, entries = session_->project_entries()] { return library_.list(kind, words, entries); });
+    });
+  } else if (path.starts_with("/api/mechanism/") && get) {
+    const std::string id = path.substr(std::string_view("/api/mechanism/").size());
+    session_queue_->post([this, id, reply = std::move(answer)]() mutable {
+      answer_on(*library_queue_, std::move(reply), [this, id, found = session_->find_mechanism(id)]() -> Result<std::string> {
+        if (found) return mechanism_json(id, *found);
+        const Result<MechanismPtr> stored = library_.mechanism(id);
+        if (!stored) return fail(stored.error());
+        return mechanism_json(id, **stored);
+      });
+    });
+  } else if (path == "/api/import" && post) {
+    const std::string name = query_value(request.query, "name").value_or("");
+    answer_on(*library_queue_, std::move(answer), [this, name, body = std::move(request.body)] {
+      Result<std::string> imported = library_.import(name, body);
+      if (imported) session_queue_->post([this] { session_->announce_library(); });
+      return imported;
+    });
+  } else {
+    answer(refused({ErrorCode::unknown, path, "The studio has no such address for " + request.method + ".", "See docs/studio-protocol.md."}));
+  }
+}
+
+Studio::Studio(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Studio::~Studio() = default;
+
+Result<std::unique_ptr<Studio>> Studio::start(StudioOptions options, project::Project project) {
+  if (options.library_path.empty()) options.library_path = store::Library::default_path();
+  auto impl = std::make_unique<Impl>(options, std::move(project));
+  if (Result<void> r = impl->start(options); !r) return fail(std::move(r.error()));
+  return std::unique_ptr<Studio>(new Studio(std::move(impl)));
+}
+
+std::string Studio::address() const { return impl_->server().address(); }
+std::uint16_t Studio::port() const { return impl_->server().port(); }
+const std::string& Studio::token() const { return impl_->server().token(); }
+int Studio::interpreter_pid() const { return impl_->session().interpreter_pid(); }
+
+namespace {
+sigset_t end_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  return set;
+}
+}  // namespace
+
+void hold_signals() {
+  const sigset_t set = end_signals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+void wait_for_signal() {
+  const sigset_t set = end_signals();
+  int got = 0;
+  while (sigwait(&set, &got) != 0) {
+  }
+}
+
+void open_browser(const std::string& address) {
+  if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr) return;
+  const char* program = "xdg-open";
+  char* const arguments[] = {const_cast<char*>(program), const_cast<char*>(address.c_str()), nullptr};
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  pid_t pid = -1;
+  if (posix_spawnp(&pid, program, nullptr, &attributes, arguments, environ) == 0) {
+    std::thread([pid] { waitpid(pid, nullptr, 0); }).detach();
+  }
+  posix_spawnattr_destroy(&attributes);
+}
+
+}  // namespace ugoki::studio

@@ -1,0 +1,411 @@
+// The whole service over real sockets, with a fake simulation in the interpreter's process.
+#include "ugoki/studio/studio.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "../content/fixture.h"
+#include "client.h"
+#include "fake_simulation.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/store/library.h"
+#include "ugoki/content/display_frame.h"
+
+namespace ugoki::studio {
+namespace {
+
+using nlohmann::json;
+using test::Frame;
+using test::Reply;
+using test::request;
+
+/// A page that talks to the studio.
+class Page {
+ public:
+  Page(std::uint16_t port, const std::string& token) : socket_(port, "/ws?token=" + token) {
+    EXPECT_EQ(socket_.status(), 101);
+    socket_.on_frame = [this](const std::string& bytes) {
+      frames.push_back(test::parse_frame(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+      EXPECT_TRUE(frames.back().good);
+    };
+    socket_.on_text = [this](const std::string& text) {
+      json message = json::parse(text);
+      if (message.contains("event")) events.push_back(std::move(message));
+    };
+  }
+  /// Sends a request and waits for its reply; events and frames that come before it are kept.
+  json ask(json message) {
+    message["id"] = ++last_;
+    socket_.send_text(message.dump());
+    return reply(last_);
+  }
+  json reply(const json& id) {
+    const auto text = socket_.receive_text([&](const std::string& t) {
+      const json j = json::parse(t);
+      return j.contains("reply") && j["reply"] == id;
+    });
+    return text ? json::parse(*text) : json();
+  }
+  /// The next event of this name that `fits`, from now on.
+  json event(const std::string& name, const std::function<bool(const json&)>& fits = [](const json&) { return true; }) {
+    const auto text = socket_.receive_text([&](const std::string& t) {
+      const json j = json::parse(t);
+      return j.contains("event") && j["event"] == name && fits(j);
+    });
+    return text ? json::parse(*text) : json();
+  }
+  /// Reads until a frame `fits`.
+  bool frame(const std::function<bool(const Frame&)>& fits) {
+    const std::size_t seen = frames.size();
+    for (int i = 0; i < 10'000; ++i) {
+      for (std::size_t k = seen; k < frames.size(); ++k) {
+        if (fits(frames[k])) return true;
+      }
+      const auto message = socket_.receive(20);
+      if (!message) return false;
+      if (message->opcode == 2) socket_.on_frame(message->data);
+      if (message->opcode == 1) socket_.on_text(message->data);
+    }
+    return false;
+  }
+  test::WebSocket& socket() { return socket_; }
+
+  std::vector<Frame> frames;
+  std::vector<json> events;
+
+ private:
+  test::WebSocket socket_;
+  int last_ = 0;
+};
+
+class StudioTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "ugoki-studio-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    Result<store::Library> library = store::Library::open(library_path());
+    ASSERT_TRUE(library);
+    const Motion run = content::testing::make_walk("run", 1, 3, 0, false);
+    const std::string walker = formats::write_mechanism(*content::testing::make_walker());
+    store::LibraryItem body{store::EntryKind::mechanism, "walker", R"({"freedoms":7,"mass":12})", {}, bytes(walker)};
+    const std::string body_id = store::entry_id(store::EntryKind::mechanism, body.data);
+    store::LibraryItem motion{store::EntryKind::motion, "run", R"({"duration":1,"rate":100,"frames":101,"mechanism":")" + body_id + R"("})",
+                              {"quick"}, formats::write_motion(run)};
+    const auto put = library->put(std::vector{body, motion});
+    ASSERT_TRUE(put) << put.error().text();
+    library_mechanism_ = (*put)[0];
+    library_motion_ = (*put)[1];
+    start(project::Project::create(path(), content::testing::make_scenario(), content::testing::make_resources()));
+  }
+  void start(Result<project::Project> project) {
+    ASSERT_TRUE(project) << project.error().text();
+    StudioOptions options;
+    options.library_path = library_path();
+    options.interpreter = {"/proc/self/exe", {"interpret-fake"}};
+    Result<std::unique_ptr<Studio>> started = Studio::start(options, std::move(*project));
+    ASSERT_TRUE(started) << started.error().text();
+    studio_ = std::move(*started);
+  }
+  void TearDown() override {
+    studio_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+  static std::vector<std::byte> bytes(const std::string& text) {
+    const auto* p = reinterpret_cast<const std::byte*>(text.data());
+    return {p, p + text.size()};
+  }
+  std::string path() const { return folder_ + "/park.ugoki"; }
+  std::string library_path() const { return folder_ + "/library.db"; }
+  Page page() { return {studio_->port(), studio_->token()}; }
+  Reply api(const std::string& method, const std::string& target, const std::string& body = "") {
+    return request(studio_->port(), method, target, {"Cookie: ugoki_" + std::to_string(studio_->port()) + "=" + studio_->token()}, body);
+  }
+  static json move_clip(double start) {
+    return {{"op", "command"}, {"command", {{"type", "clip.set"}, {"character", "human"}, {"id", "k1"}, {"start", start}}}};
+  }
+  static json rename(const std::string& name) { return {{"op", "command"}, {"command", {{"type", "scenario.set"}, {"name", name}}}}; }
+
+  std::string folder_, library_mechanism_, library_motion_;
+  std::unique_ptr<Studio> studio_;
+};
+
+TEST_F(StudioTest, HelloTellsEverythingAndAFrameFollows) {
+  Page p = page();
+  const json hello = p.ask({{"op", "hello"}});
+  ASSERT_TRUE(hello["ok"]) << hello;
+  EXPECT_EQ(hello["project"]["name"], "park.ugoki");
+  EXPECT_EQ(hello["document"]["characters"][0]["id"], "human");
+  EXPECT_EQ(hello["characters"], json::parse(R"([{"id":"human","name":"Human","mechanism":"m-walker","links":2},
+                                                 {"id":"ball","name":"Ball","mechanism":"m-ball","links":1}])"));
+  EXPECT_FALSE(hello["can_undo"]);
+  EXPECT_EQ(hello["transport"]["mode"], "edit");
+  EXPECT_EQ(hello["transport"]["duration"], 8);
+  EXPECT_TRUE(hello.contains("revision"));
+  EXPECT_TRUE(p.frame([](const Frame& f) { return f.characters.size() == 2 && f.characters[0].links.size() == 2 && f.characters[1].links.size() == 1; }));
+  Page later = page();  // a page that comes later gets the frame too, though nothing moves
+  ASSERT_TRUE(later.ask({{"op", "hello"}})["ok"]);
+  EXPECT_TRUE(later.frame([](const Frame& f) { return f.characters.size() == 2; }));
+}
+
+TEST_F(StudioTest, ACommandReachesEveryPageAndWhatPlays) {
+  Page a = page(), b = page();
+  a.ask({{"op", "hello"}});
+  b.ask({{"op", "hello"}});
+  const json done = a.ask(move_clip(0.5));
+  ASSERT_TRUE(done["ok"]) << done;
+  for (Page* p : {&a, &b}) {
+    const json document = p == &a ? a.events.back() : b.event("document");
+    EXPECT_EQ(document["document"]["characters"][0]["track"][0]["start"], 0.5);
+    EXPECT_TRUE(document["can_undo"]);
+    EXPECT_TRUE(document["unsaved"]);
+    EXPECT_EQ(document["revision"], done["revision"]);
+    EXPECT_TRUE(p->frame([](const Frame& f) { return f.characters[0].links[0][0] == 0.5f; }));
+  }
+  const json undone = b.ask({{"op", "undo"}});
+  ASSERT_TRUE(undone["ok"]);
+  EXPECT_EQ(a.event("document")["document"]["characters"][0]["track"][0]["start"], 0);
+  EXPECT_TRUE(a.frame([](const Frame& f) { return f.characters[0].links[0][0] == 0; }));
+  EXPECT_FALSE(b.ask({{"op", "undo"}})["ok"]);
+  ASSERT_TRUE(a.ask({{"op", "redo"}})["ok"]);
+  ASSERT_TRUE(a.ask({{"op", "save"}})["ok"]);
+  EXPECT_FALSE(a.events.back()["unsaved"]);
+}
+
+TEST_F(StudioTest, CommandsFetchFromTheLibrary) {
+  Page p = page();
+  const json done = p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", library_motion_}, {"start", 6.5}}}});
+  ASSERT_TRUE(done["ok"]) << done;
+  EXPECT_EQ(done["created"].size(), 1u);
+  EXPECT_FALSE(p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", "n-0123"}, {"start", 1}}}})["ok"]);
+}
+
+TEST_F(StudioTest, WhateverIsWrongWithAMessageIsAnsweredInWords) {
+  Page p = page();
+  p.ask({{"op", "hello"}});
+  const std::string document = p.ask({{"op", "hello"}})["document"].dump();
+  for (const char* text : {"", "null", "[]", "{", "\"hello\"", "12", "{\"op\":\"hello\"", "{\"id\":1,\"op\":1e999}"}) {
+    p.socket().send_text(text);
+    const json r = p.reply(nullptr);
+    ASSERT_TRUE(r.is_object()) << text;
+    EXPECT_FALSE(r["ok"]);
+    EXPECT_NE(r["error"]["problems"][0]["message"], "");
+  }
+  p.socket().send_text(std::string(1'000'000, '['));
+  EXPECT_FALSE(p.reply(nullptr)["ok"]);
+  p.socket().send_text(R"({"id":[1],"op":"hello"})");
+  EXPECT_TRUE(p.reply(nullptr)["ok"]);
+  p.socket().send_text(R"({"id":"text","op":"hello"})");
+  EXPECT_TRUE(p.reply("text")["ok"]);
+  const char* bad[] = {
+      R"({})", R"({"op":7})", R"({"op":"nonsense"})", R"({"op":"command"})", R"({"op":"command","command":[]})", R"({"op":"command","command":{}})",
+      R"({"op":"command","command":{"type":"clip.set","character":"human","id":"nothing","start":1}})",
+      R"({"op":"command","command":{"type":"clip.set","character":"human","id":"k1","start":"x"}})",
+      R"({"op":"command","command":{"type":"clip.set","character":"human","id":"k1","speed":-1}})",
+      R"({"op":"mode"})", R"({"op":"mode","mode":"dream"})", R"({"op":"play","speed":"fast"})", R"({"op":"play","speed":1000})",
+      R"({"op":"step"})", R"({"op":"step","frames":7})", R"({"op":"seek"})", R"({"op":"seek","time":null})", R"({"op":"grab"})",
+      R"({"op":"grab","character":"human","link":0,"point":[0,0],"target":[0,0,0]})", R"({"op":"grab","character":"human","link":{},"point":[0,0,0],"target":[0,0,0]})",
+      R"({"op":"grab","character":"human","link":0,"point":[0,0,0],"target":[0,0,0]})",  // in Edit
+      R"({"op":"drag","target":["a",0,0]})", R"({"op":"push","character":"human","link":0,"force":[1,2,3]})", R"({"op":"save","path":7})",
+      R"({"op":"save","path":""})", R"({"op":"save","path":"/nonexistent/folder/a.ugoki"})"};
+  int id = 1000;
+  for (const char* text : bad) {
+    json message = json::parse(text);
+    message["id"] = ++id;
+    p.socket().send_text(message.dump());
+    const json r = p.reply(id);
+    ASSERT_TRUE(r.is_object()) << text;
+    EXPECT_FALSE(r["ok"]) << text;
+    EXPECT_NE(r["error"]["problems"][0]["place"], "") << text;
+    EXPECT_NE(r["error"]["problems"][0]["message"], "") << text;
+  }
+  EXPECT_EQ(p.ask({{"op", "hello"}})["document"].dump(), document);
+}
+
+TEST_F(StudioTest, TransportPlaysPausesStepsAndSeeks) {
+  Page p = page();
+  p.ask({{"op", "hello"}});
+  ASSERT_TRUE(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
+  p.frames.clear();
+  ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
+  EXPECT_TRUE(p.frame([](const Frame& f) { return f.time >= 1.2; }));
+  ASSERT_TRUE(p.ask({{"op", "pause"}})["ok"]);
+  const auto playing = std::ranges::count_if(p.frames, [](const Frame& f) { return (f.flags & content::frame_playing) != 0; });
+  EXPECT_GE(playing, 60);  // at least 50 for each second of content
+  EXPECT_TRUE(std::ranges::any_of(p.events, [](const json& e) { return e["event"] == "transport" && e["playing"] == true && e["realtime_factor"] > 0; }));
+  EXPECT_TRUE(std::ranges::any_of(p.events, [](const json& e) { return e["event"] == "summary" && e["characters"].size() == 2 && !e["contacts"].empty(); }));
+  ASSERT_TRUE(p.ask({{"op", "seek"}, {"time", 0.5}})["ok"]);
+  EXPECT_EQ(p.frames.back().number, 30u);
+  ASSERT_TRUE(p.ask({{"op", "step"}, {"frames", 1}})["ok"]);
+  EXPECT_EQ(p.frames.back().number, 31u);
+  ASSERT_TRUE(p.ask({{"op", "step"}, {"frames", -1}})["ok"]);
+  EXPECT_EQ(p.frames.back().number, 30u);
+  ASSERT_TRUE(p.ask({{"op", "grab"}, {"character", "human"}, {"link", 1}, {"point", {0, 0, 0}}, {"target", {-2, 0, 1}}})["ok"]);
+  EXPECT_NE(p.frames.back().flags & content::frame_grab, 0u);
+  p.socket().send_text(R"({"id":5000,"op":"drag","target":[-3,0,1]})");  // no reply
+  ASSERT_TRUE(p.ask({{"op", "release"}})["ok"]);
+  EXPECT_FALSE(std::ranges::any_of(p.events, [](const json& e) { return e.contains("reply"); }));
+  EXPECT_EQ(p.frames.back().flags & content::frame_grab, 0u);
+  ASSERT_TRUE(p.ask({{"op", "push"}, {"character", "human"}, {"link", 0}, {"force", {150, 0, 0}}, {"duration", 0.2}})["ok"]);
+  ASSERT_TRUE(p.ask({{"op", "restart"}})["ok"]);
+  EXPECT_EQ(p.frames.back().number, 0u);
+}
+
+TEST_F(StudioTest, AKilledInterpreterLeavesTheProjectAndComesBackOnPlay) {
+  Page p = page();
+  p.ask({{"op", "hello"}});
+  ASSERT_TRUE(p.ask(move_clip(0.5))["ok"]);
+  ASSERT_TRUE(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
+  ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
+  EXPECT_TRUE(p.frame([](const Frame& f) { return f.time >= 0.1; }));
+  const int pid = studio_->interpreter_pid();
+  ASSERT_GT(pid, 0);
+  ASSERT_EQ(::kill(pid, SIGKILL), 0);
+  const json stopped = p.event("stopped");
+  EXPECT_NE(stopped["reason"].get<std::string>().find("signal 9"), std::string::npos) << stopped;
+  EXPECT_EQ(p.event("transport")["playing"], false);
+  ASSERT_TRUE(p.ask(move_clip(0.75))["ok"]);  // editing goes on without it
+  ASSERT_TRUE(p.ask({{"op", "pause"}})["ok"]);
+  ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
+  EXPECT_NE(studio_->interpreter_pid(), pid);
+  p.frames.clear();
+  EXPECT_TRUE(p.frame([](const Frame& f) { return f.time >= 0.1 && (f.flags & content::frame_simulate) != 0; }));
+  EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["characters"][0]["track"][0]["start"], 0.75);
+}
+
+TEST_F(StudioTest, ContentThatCrashesOrBlowsUpIsToldAndCanBeMended) {
+  Page p = page();
+  p.ask({{"op", "hello"}});
+  ASSERT_TRUE(p.ask(rename(R"({"crash":0.1})"))["ok"]);
+  ASSERT_TRUE(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
+  p.socket().send_text(R"({"id":1,"op":"play"})");
+  EXPECT_NE(p.event("stopped")["reason"].get<std::string>().find("It stood at 0."), std::string::npos);
+  ASSERT_TRUE(p.ask(rename(R"({"blow_up":0.2})"))["ok"]);
+  ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
+  EXPECT_NE(p.event("stopped")["reason"].get<std::string>().find("joint hip"), std::string::npos);
+  ASSERT_TRUE(p.ask({{"op", "undo"}})["ok"]);
+  ASSERT_TRUE(p.ask(rename("calm"))["ok"]);
+  ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
+  p.frames.clear();
+  EXPECT_TRUE(p.frame([](const Frame& f) { return f.time >= 0.5; }));
+}
+
+TEST_F(StudioTest, TheLibraryIsListedFoundAndDrawn) {
+  const auto entries = [&](const std::string& target) {
+    const Reply r = api("GET", target);
+    EXPECT_EQ(r.status, 200) << r.body;
+    return json::parse(r.body)["entries"];
+  };
+  const json all = entries("/api/library?kind=&q=");
+  EXPECT_EQ(all.size(), 6u) << all.dump(1);  // two of the library, two mechanisms and two motions of the project
+  const json motions = entries("/api/library?kind=motion");
+  EXPECT_EQ(motions.size(), 3u);
+  const json run = entries("/api/library?kind=motion&q=ru%20quick");
+  ASSERT_EQ(run.size(), 1u);
+  EXPECT_EQ(run[0]["id"], library_motion_);
+  EXPECT_EQ(run[0]["duration"], 1);
+  EXPECT_EQ(run[0]["summary"], "1.00 s · 100 Hz");
+  EXPECT_EQ(run[0]["mechanism"], library_mechanism_);
+  EXPECT_GT(run[0]["curve"].size(), 10u);
+  EXPECT_EQ(entries("/api/library?q=nothing-is-called-so").size(), 0u);
+  EXPECT_EQ(api("GET", "/api/library?kind=house").status, 400);
+
+  for (const std::string& id : {std::string("m-walker"), library_mechanism_}) {
+    const Reply r = api("GET", "/api/mechanism/" + id);
+    ASSERT_EQ(r.status, 200) << r.body;
+    const json m = json::parse(r.body);
+    EXPECT_EQ(m["name"], "walker");
+    EXPECT_EQ(m["freedoms"], 7);
+    EXPECT_NEAR(m["height"].get<double>(), 0.55, 1e-9);
+    ASSERT_EQ(m["links"].size(), 2u);
+    EXPECT_EQ(m["links"][1]["parent"], 0);
+    EXPECT_EQ(m["links"][1]["joint"], "revolute");
+    EXPECT_EQ(m["links"][1]["shapes"][0]["type"], "capsule");
+    EXPECT_NEAR(m["links"][1]["shapes"][0]["half_length"].get<double>(), 0.2, 1e-12);
+    EXPECT_EQ(m["links"][1]["shapes"][0]["pose"].size(), 7u);
+    EXPECT_EQ(m["links"][1]["neutral"].size(), 7u);
+  }
+  EXPECT_EQ(api("GET", "/api/mechanism/m-0000").status, 404);
+  EXPECT_EQ(api("GET", "/api/mechanism/..%2f..%2fetc").status, 404);
+  EXPECT_EQ(api("GET", "/api/nothing").status, 404);
+  EXPECT_EQ(api("POST", "/api/library").status, 404);
+}
+
+/// A person of two joints who nods for three frames.
+const char* const small_bvh =
+    "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0 0\n  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+    "  JOINT Spine\n  {\n    OFFSET 0 0.5 0\n    CHANNELS 3 Zrotation Xrotation Yrotation\n    End Site\n    {\n      OFFSET 0 0.7 0\n    }\n  }\n}\n"
+    "MOTION\nFrames: 3\nFrame Time: 0.0083333\n0 1 0 0 0 0 0 0 0\n0 1 0 0 0 0 0 10 0\n0 1 0 0 0 0 0 20 0\n";
+
+TEST_F(StudioTest, DroppedFilesAreImportedOrRefusedLeavingTheLibraryAlone) {
+  Page p = page();
+  p.ask({{"op", "hello"}});
+  const auto library = [&] { return api("GET", "/api/library").body; };
+  const std::string before = library();
+  const std::string whole = small_bvh;
+  const std::pair<std::string, std::string> bad[] = {{"a.bvh", ""},
+                                                     {"a.bvh", whole.substr(0, whole.size() / 2)},
+                                                     {"a.bvh", std::string(5000, '\0')},
+                                                     {"a.bvh", "HIERARCHY\nROOT x {"},
+                                                     {"a.amc", ":DEGREES\n1\nroot 0 0 0 0 0 0\n"},
+                                                     {"a.asf", ":version x"},
+                                                     {"a.json", "{\"name\": 7}"},
+                                                     {"a.exe", "MZ"},
+                                                     {"", whole},
+                                                     {"..%2f..%2fpasswd", whole}};
+  for (const auto& [name, bytes] : bad) {
+    const Reply r = api("POST", "/api/import?name=" + name, bytes);
+    EXPECT_EQ(r.status / 100, 4) << name << r.body;
+    const json problem = json::parse(r.body)["error"]["problems"][0];
+    EXPECT_NE(problem["message"], "") << name;
+    EXPECT_NE(problem["place"], "") << name;
+    EXPECT_NE(problem["remedy"], "") << name;
+  }
+  EXPECT_EQ(library(), before);
+
+  const Reply r = api("POST", "/api/import?name=nod.bvh", whole);
+  ASSERT_EQ(r.status, 200) << r.body;
+  const json entries = json::parse(r.body)["entries"];
+  ASSERT_EQ(entries.size(), 2u) << r.body;
+  EXPECT_FALSE(json::parse(r.body)["report"].empty());
+  EXPECT_TRUE(p.event("library").is_object());
+  const json motion = entries[0]["kind"] == "motion" ? entries[0] : entries[1];
+  EXPECT_EQ(motion["name"], "nod");
+  EXPECT_EQ(motion["frames"], 3);
+  EXPECT_EQ(api("GET", "/api/mechanism/" + motion["mechanism"].get<std::string>()).status, 200);
+  EXPECT_NE(library(), before);
+  // It can be used at once.
+  const json added = p.ask({{"op", "command"}, {"command", {{"type", "character.add"}, {"mechanism", motion["mechanism"]}}}});
+  ASSERT_TRUE(added["ok"]) << added;
+  const json clip = p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", added["created"][0]}, {"motion", motion["id"]}, {"start", 0}}}});
+  EXPECT_TRUE(clip["ok"]) << clip;
+}
+
+TEST_F(StudioTest, TheStudioEndsWithItsInterpreterAndTheWorkIsThereAfterwards) {
+  int pid = -1;
+  {
+    Page p = page();
+    p.ask({{"op", "hello"}});
+    ASSERT_TRUE(p.ask(move_clip(0.25))["ok"]);
+    ASSERT_TRUE(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"]);
+    ASSERT_TRUE(p.ask({{"op", "play"}})["ok"]);
+    pid = studio_->interpreter_pid();
+    studio_.reset();
+  }
+  EXPECT_NE(::kill(pid, 0), 0);
+  start(project::Project::open(path()));
+  Page p = page();
+  const json hello = p.ask({{"op", "hello"}});
+  EXPECT_EQ(hello["document"]["characters"][0]["track"][0]["start"], 0.25);
+  EXPECT_TRUE(hello["unsaved"]);
+  EXPECT_TRUE(hello["can_undo"]);
+}
+
+}  // namespace
+}  // namespace ugoki::studio
