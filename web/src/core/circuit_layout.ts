@@ -27,6 +27,7 @@ const row_gap = 22;
 const head = 44;
 const pin_step = 18;
 const margin = 24;
+const side_margin = 68; // wires back to the first column turn in it
 
 /** The hue of a pin by what it carries. */
 export function pin_hue(type_or_name: string): PinHue {
@@ -96,7 +97,7 @@ export function lay_out_circuit(circuit: CircuitData): CircuitLayout {
       id: lsi.id,
       name: lsi.name || lsi.id,
       type: lsi.type,
-      x: margin + c * (box_width + column_gap),
+      x: side_margin + c * (box_width + column_gap),
       y: 0,
       width: box_width,
       height: head + rows * pin_step + (rows > 0 ? 4 : 0),
@@ -136,7 +137,7 @@ export function lay_out_circuit(circuit: CircuitData): CircuitLayout {
   return {
     boxes,
     wires: drawn,
-    width: 2 * margin + Math.max(1, columns.length) * (box_width + column_gap) - column_gap,
+    width: 2 * side_margin + Math.max(1, columns.length) * (box_width + column_gap) - column_gap,
     height: 2 * margin + tallest + 16,
   };
 }

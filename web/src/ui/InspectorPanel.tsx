@@ -1,5 +1,6 @@
 import { useEffect, useRef, type ReactElement } from 'react';
 import { apply_command, find_character, find_clip, find_event, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
+import { format_number } from '../core/format';
 import { link_position } from '../core/frames';
 import { describe_entry, tags_of } from '../core/library';
 import type { LibraryEntry, Vec3 } from '../core/protocol';
@@ -86,7 +87,7 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
       </h3>
       {mechanism && (
         <p className="facts">
-          {mechanism.name} · {mechanism.freedoms} freedoms · {mechanism.mass.toFixed(1)} kg
+          {mechanism.freedoms} freedoms · {format_number(mechanism.mass, 1)} kg · {format_number(mechanism.height)} m
         </p>
       )}
       <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />

@@ -111,7 +111,7 @@ const mouse: Record<'industry' | 'blender', [string, string][]> = {
 };
 const mouse_both: [string, string][] = [
   ['Pull a figure', 'press on it while it simulates'],
-  ['Place a figure', 'drag it while it is selected, in Edit'],
+  ['Place a figure', 'drag the selected one, in Edit'],
   ['Trim a clip', 'drag its edge; Alt stretches it'],
   ['Slip the motion', 'Alt + drag the clip'],
   ['Finer · snap off', 'Shift · Ctrl while dragging'],

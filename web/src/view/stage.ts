@@ -48,7 +48,7 @@ export class Stage {
     const own = look.floor.toLowerCase() !== default_floor;
     this.background.set(dark ? 0x101318 : 0xe3e6ea);
     const floor = new THREE.Color(dark || own ? look.floor : '#c3c7cd');
-    this.floor.set_colors(floor, new THREE.Color(dark ? 0x8b93a1 : 0x6b7280), this.background, dark ? 0.2 : 0.3);
+    this.floor.set_colors(floor, new THREE.Color(dark ? 0x8b93a1 : 0x6b7280), this.background, dark ? 0.17 : 0.3);
     const light = Math.max(0.05, look.light / 0.9);
     this.key.intensity = 2.5 * light;
     this.fill.intensity = 0.55 * light;

@@ -378,7 +378,8 @@ export class Viewport {
       if (view.assist && frame.simulate && share > 0.004) {
         const at = new THREE.Vector3().setFromMatrixPosition(entry.figure.links.find((m) => m)?.matrixWorld ?? new THREE.Matrix4());
         entry.assist.material.color.copy(assist_color(assist_over_cap(frame, figure)));
-        entry.assist.show(at, force.divideScalar(weight).multiplyScalar(2.4).clampLength(0.06, 2.4));
+        // a root scale: 1 % of weight is seen, 50 % does not leave the picture
+        entry.assist.show(at, force.setLength(1.9 * Math.sqrt(Math.min(share, 1))));
       } else {
         entry.assist.hide();
       }

@@ -1,0 +1,320 @@
+// What a person does in the studio, done in a real Chromium. Each journey gets the page as the ones before left it.
+import { request } from 'node:http';
+import { mkdirSync } from 'node:fs';
+import { fileURLToPath } from 'node:url';
+import assert from 'node:assert/strict';
+import { ready } from './browser.mjs';
+import { mock } from './service.mjs';
+
+const pictures = fileURLToPath(new URL('./out/', import.meta.url));
+mkdirSync(pictures, { recursive: true });
+
+const hook = (page, expression) => page.evaluate(expression);
+const until = (page, expression, what, timeout = 30000) =>
+  page.waitForFunction(expression, undefined, { timeout, polling: 50 }).catch(() => {
+    throw new Error(`waited ${timeout / 1000} s in vain for: ${what}`);
+  });
+const distance = (a, b) => Math.hypot(...a.map((v, i) => v - b[i]));
+
+/** The first character that follows a track, and its longest clip. */
+const lead = (page) =>
+  hook(page, () => {
+    const c = window.ugoki.document().characters.find((x) => x.control.mode === 'track' && x.track.length > 0);
+    return { id: c.id, clip: [...c.track].sort((a, b) => b.length - a.length)[0] };
+  });
+
+/** Index of the first link whose name or label matches. */
+async function find_link(page, character, pattern) {
+  const mechanism = await hook(page, `window.ugoki.document().characters.find((c) => c.id === ${JSON.stringify(character)}).mechanism`);
+  const links = await page.evaluate(async (id) => (await (await fetch(`api/mechanism/${encodeURIComponent(id)}${location.search}`)).json()).links, mechanism);
+  const index = links.findIndex((l) => pattern.test(`${l.name} ${l.label ?? ''}`) && l.shapes.length > 0);
+  assert.ok(index >= 0, `no link matches ${pattern}: ${links.map((l) => l.name)}`);
+  return index;
+}
+
+const positions = (page, character) =>
+  hook(page, `(() => { const out = []; for (let i = 0; ; i++) { const p = window.ugoki.link_position(${JSON.stringify(character)}, i); if (!p) return out; out.push(p); } })()`);
+
+/** Seeks through the page's own transport and waits for that frame. */
+async function show_time(page, time) {
+  const before = await hook(page, 'window.ugoki.frames_received');
+  const ruler = await page.locator('.ruler').boundingBox();
+  await page.keyboard.press('Home');
+  await page.waitForTimeout(150);
+  const duration = await hook(page, 'window.ugoki.document().duration');
+  const width = ruler.width;
+  const scale = (Math.max(width, 80) - 32) / Math.max(duration, 0.5);
+  await page.mouse.click(ruler.x + 12 + time * scale, ruler.y + ruler.height / 2);
+  await until(page, `window.ugoki.frames_received > ${before} && Math.abs(window.ugoki.frame().time - ${time}) < 0.1`, `the frame at ${time} s`);
+  await page.waitForTimeout(400);
+  return hook(page, 'window.ugoki.frame().time');
+}
+
+async function set_mode(page, mode) {
+  await page.getByRole('radio', { name: mode === 'edit' ? 'Edit' : 'Simulate' }).click();
+  await until(page, `window.ugoki.transport().mode === '${mode}'`, `mode ${mode}`);
+  await page.waitForTimeout(300);
+}
+
+/** Brightness statistics of a part of what is on screen. */
+async function pixels(page, clip) {
+  const png = (await page.screenshot({ clip })).toString('base64');
+  return page.evaluate(async (data) => {
+    const bytes = Uint8Array.from(atob(data), (c) => c.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const context = canvas.getContext('2d');
+    context.drawImage(bitmap, 0, 0);
+    const { data: rgba } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    let sum = 0;
+    for (let i = 0; i < rgba.length; i += 4) sum += (rgba[i] + rgba[i + 1] + rgba[i + 2]) / 3;
+    return { mean: sum / (rgba.length / 4) };
+  }, png);
+}
+
+/** Status and text of a bare request, with headers that a browser would not let a page choose. */
+function ask(address, path, headers = {}) {
+  const url = new URL(address);
+  return new Promise((resolve, reject) => {
+    const r = request({ host: url.hostname, port: url.port, path, headers }, (response) => {
+      let text = '';
+      response.on('data', (d) => (text += d));
+      response.on('end', () => resolve({ status: response.statusCode, text }));
+    });
+    r.on('error', reject);
+    r.end();
+  });
+}
+
+/** Status of a WebSocket handshake: 101 if it is let in. */
+function shake_hands(address, path, headers = {}) {
+  const url = new URL(address);
+  return new Promise((resolve, reject) => {
+    const r = request({
+      host: url.hostname, port: url.port, path,
+      headers: { Connection: 'Upgrade', Upgrade: 'websocket', 'Sec-WebSocket-Version': '13', 'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ==', ...headers },
+    });
+    r.on('upgrade', (response, socket) => {
+      socket.destroy();
+      resolve(response.statusCode);
+    });
+    r.on('response', (response) => {
+      response.resume();
+      resolve(response.statusCode);
+    });
+    r.on('error', reject);
+    r.end();
+  });
+}
+
+export const journeys = [
+  {
+    name: 'the page loads from the printed address, with nothing from elsewhere',
+    async run({ page, service, seen }) {
+      await page.goto(service.address);
+      await ready(page);
+      assert.equal(await page.locator('.brand').textContent(), 'Ugoki');
+      for (const tab of ['Library', 'Inspector', 'Scenario']) assert.ok(await page.getByRole('tab', { name: tab }).or(page.locator('.tab', { hasText: tab })).first().isVisible(), tab);
+      const origin = new URL(service.address).origin;
+      const foreign = seen.requests.filter((u) => !u.startsWith(origin) && !u.startsWith(origin.replace('http', 'ws')) && !u.startsWith('data:') && !u.startsWith('blob:'));
+      assert.deepEqual(foreign, []);
+      assert.deepEqual(seen.errors, []);
+    },
+  },
+  {
+    name: 'the figure is visible',
+    async run({ page }) {
+      const { id } = await lead(page);
+      await page.waitForTimeout(2500);
+      const chest = await find_link(page, id, /chest|spine|thorax|trunk|torso/i);
+      const at = await hook(page, `window.ugoki.link_on_screen(${JSON.stringify(id)}, ${chest})`);
+      const box = await page.locator('.viewport').boundingBox();
+      assert.ok(at && at.x > box.x && at.x < box.x + box.width && at.y > box.y && at.y < box.y + box.height, 'its chest is inside the viewport');
+      const body = await pixels(page, { x: at.x - 3, y: at.y - 3, width: 6, height: 6 });
+      const ground = await pixels(page, { x: box.x + 8, y: box.y + box.height - 70, width: 20, height: 20 });
+      assert.ok(body.mean > ground.mean + 40, `the body (${body.mean.toFixed(0)}) stands out from the floor (${ground.mean.toFixed(0)})`);
+      await page.screenshot({ path: `${pictures}figure.png` });
+    },
+  },
+  {
+    name: 'play moves it and pause stops it',
+    async run({ page }) {
+      const { id } = await lead(page);
+      const before = await positions(page, id);
+      await page.getByRole('button', { name: 'Play' }).click();
+      await until(page, 'window.ugoki.transport().playing && window.ugoki.frame().time > 0.6', 'time to pass');
+      await page.waitForTimeout(1500);
+      await page.getByRole('button', { name: 'Pause' }).click();
+      await until(page, '!window.ugoki.transport().playing', 'the pause');
+      const after = await positions(page, id);
+      const moved = Math.max(...after.map((p, i) => distance(p, before[i])));
+      assert.ok(moved > 0.05, `a link moved by ${moved.toFixed(3)} m`);
+      await page.waitForTimeout(300);
+      const time = await hook(page, 'window.ugoki.frame().time');
+      await page.waitForTimeout(600);
+      assert.equal(await hook(page, 'window.ugoki.frame().time'), time, 'paused');
+    },
+  },
+  {
+    name: 'scrubbing the ruler shows that time',
+    async run({ page }) {
+      await set_mode(page, 'edit');
+      const at = await show_time(page, 2);
+      assert.ok(Math.abs(at - 2) < 0.05);
+      await until(page, "/^00:0(1[.]9|2[.]0)\\d$/.test(document.querySelector('.clock .time').textContent)", 'the clock to show 2 s');
+    },
+  },
+  {
+    name: 'a clip dragged on the timeline changes what plays, as one command',
+    async run({ page, memory }) {
+      const { id, clip } = await lead(page);
+      memory.id = id;
+      memory.clip = clip;
+      memory.time = clip.start + Math.min(1, clip.length * 0.4);
+      memory.time = await show_time(page, memory.time);
+      memory.before = await positions(page, id);
+      const box = await page.locator(`[data-clip="${clip.id}"]`).boundingBox();
+      const grip = { x: box.x + Math.min(box.width / 2, 120), y: box.y + box.height / 2 };
+      await page.mouse.move(grip.x, grip.y);
+      await page.mouse.down();
+      await page.mouse.move(grip.x + 30, grip.y, { steps: 4 });
+      await page.mouse.move(grip.x + 95, grip.y, { steps: 8 });
+      const shown = await page.locator(`[data-clip="${clip.id}"]`).boundingBox();
+      assert.ok(shown.x > box.x + 40, 'the clip follows the cursor before anything is sent');
+      assert.equal(await hook(page, `window.ugoki.document().characters.find((c) => c.id === '${id}').track.find((k) => k.id === '${clip.id}').start`), clip.start);
+      await page.mouse.up();
+      await until(page, `window.ugoki.document().characters.find((c) => c.id === '${id}').track.find((k) => k.id === '${clip.id}').start > ${clip.start + 0.2}`, 'the new start');
+      await page.waitForTimeout(500);
+      await show_time(page, memory.time);
+      const after = await positions(page, id);
+      const changed = Math.max(...after.map((p, i) => distance(p, memory.before[i])));
+      assert.ok(changed > 0.02, `at ${memory.time.toFixed(2)} s a link now is ${changed.toFixed(3)} m elsewhere`);
+      assert.ok((await hook(page, 'window.ugoki.undo()')).can_undo);
+    },
+  },
+  {
+    name: 'undo restores it',
+    async run({ page, memory }) {
+      await page.locator('.scenario').click({ position: { x: 400, y: 6 } });
+      await page.keyboard.press('Control+z');
+      const { id, clip } = memory;
+      await until(page, `window.ugoki.document().characters.find((c) => c.id === '${id}').track.find((k) => k.id === '${clip.id}').start === ${clip.start}`, 'the old start');
+      await page.waitForTimeout(400);
+      const time = await show_time(page, memory.time);
+      const after = await positions(page, id);
+      const error = Math.max(...after.map((p, i) => distance(p, memory.before[i])));
+      assert.ok(Math.abs(time - memory.time) < 1e-6 && error < 1e-5, `every link is where it was: ${error} m`);
+      const undo = await hook(page, 'window.ugoki.undo()');
+      assert.ok(undo.can_redo);
+    },
+  },
+  {
+    name: 'pulling a hand with the mouse moves the body',
+    async run({ page }) {
+      const { id } = await lead(page);
+      await set_mode(page, 'simulate');
+      // slowly, because software draws slowly and the figure walks on while the mouse travels
+      await page.getByRole('combobox', { name: 'Playing speed' }).selectOption('0.25');
+      await page.keyboard.press('Control+Home');
+      await until(page, 'window.ugoki.frame().time < 0.1', 'the start');
+      await page.getByRole('button', { name: 'Play' }).click();
+      await until(page, 'window.ugoki.frame().simulate && window.ugoki.transport().playing && window.ugoki.frame().time > 0.3', 'the simulation to run');
+      const hand = await find_link(page, id, /(left|right|^l|^r).*hand|forearm|radius/i);
+      let grabbed = false;
+      let point;
+      for (let attempt = 0; attempt < 12 && !grabbed; attempt++) {
+        point = await hook(page, `window.ugoki.link_on_screen('${id}', ${hand})`);
+        await page.mouse.move(point.x, point.y);
+        await page.mouse.down();
+        grabbed = await page.waitForFunction('window.ugoki.frame().grabbing', undefined, { timeout: 1500, polling: 50 }).then(() => true, () => false);
+        if (!grabbed) await page.mouse.up();
+      }
+      assert.ok(grabbed, 'the press took hold of the figure');
+      const link = (await hook(page, 'window.ugoki.selection()')).link;
+      const start = await hook(page, `window.ugoki.link_position('${id}', ${link})`);
+      const com = (await hook(page, `window.ugoki.figure('${id}')`)).com;
+      await page.mouse.move(point.x + 60, point.y - 120, { steps: 5 });
+      await page.mouse.move(point.x + 110, point.y - 210, { steps: 5 });
+      await page.waitForTimeout(2500);
+      await page.screenshot({ path: `${pictures}pull.png` });
+      const end = await hook(page, `window.ugoki.link_position('${id}', ${link})`);
+      const figure = await hook(page, `window.ugoki.figure('${id}')`);
+      assert.ok(end[2] > start[2] + 0.08, `the pulled link rose from ${start[2].toFixed(2)} to ${end[2].toFixed(2)} m`);
+      assert.ok(distance(figure.com, com) > 0.01, 'the body went along');
+      await page.mouse.up();
+      await until(page, '!window.ugoki.frame().grabbing', 'the release');
+    },
+  },
+  {
+    name: 'root assist and contacts are shown while it simulates',
+    async run({ page }) {
+      await until(page, 'window.ugoki.summary().characters.length > 0', 'a summary');
+      assert.match(await page.locator('.card .value').first().textContent(), /^\d+\.\d %$/);
+      assert.ok(await hook(page, 'window.ugoki.summary().contacts.length > 0'));
+      await page.getByRole('button', { name: 'Contacts', exact: true }).click();
+      if (await hook(page, 'window.ugoki.transport().playing')) await page.getByRole('button', { name: 'Pause' }).click();
+      await page.getByRole('combobox', { name: 'Playing speed' }).selectOption('1');
+      await page.waitForTimeout(1500);
+      await page.screenshot({ path: `${pictures}simulate.png` });
+      await page.getByRole('button', { name: 'Contacts', exact: true }).click();
+    },
+  },
+  {
+    name: 'a refused import is explained with its place and a remedy',
+    async run({ page }) {
+      await page.locator('.library input[type=file]').setInputFiles({ name: mock ? 'broken.xyz' : 'broken.bvh', mimeType: 'text/plain', buffer: Buffer.from('HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0\n') });
+      const toast = page.locator('.toast.error').last();
+      await toast.waitFor({ timeout: 15000 });
+      assert.match(await toast.locator('code').first().textContent(), /broken\.\w+/);
+      assert.ok((await toast.locator('.remedy').first().textContent()).length > 8);
+      await toast.getByRole('button', { name: 'Dismiss' }).click();
+    },
+  },
+  {
+    name: 'with the keyboard alone: palette, mode, keys',
+    async run({ page }) {
+      await page.keyboard.press('Control+k');
+      await page.keyboard.type('switch edit');
+      await page.keyboard.press('Enter');
+      await until(page, "window.ugoki.transport().mode === 'edit'", 'edit mode');
+      await page.keyboard.press('?');
+      await page.getByRole('dialog', { name: 'Keys' }).waitFor();
+      await page.keyboard.press('Escape');
+      await page.getByRole('dialog', { name: 'Keys' }).waitFor({ state: 'detached' });
+      const time = await hook(page, 'window.ugoki.frame().time');
+      await page.keyboard.press('ArrowRight');
+      await until(page, `window.ugoki.frame().time > ${time}`, 'one frame on');
+    },
+  },
+  {
+    name: 'a wrong token, Host or Origin is refused',
+    skip: mock && 'the mock lets everybody in',
+    async run({ service }) {
+      const url = new URL(service.address);
+      const token = url.searchParams.get('token');
+      const right = await ask(service.address, `/api/library?token=${token}`);
+      assert.equal(right.status, 200);
+      for (const [what, path, headers, status] of [
+        ['no token', '/api/library', {}, 401],
+        ['wrong token', '/api/library?token=wrong', {}, 401],
+        ['wrong token for the page', '/?token=wrong', {}, 401],
+        ['wrong Host', `/api/library?token=${token}`, { Host: 'evil.example' }, 403],
+        ['wrong Origin', `/api/library?token=${token}`, { Origin: 'http://evil.example' }, 403],
+      ]) {
+        const answer = await ask(service.address, path, headers);
+        assert.equal(answer.status, status, what);
+        assert.ok(answer.text.length > 10, `${what}: a sentence says why`);
+      }
+      assert.equal(await shake_hands(service.address, `/ws?token=${token}`), 101);
+      assert.equal(await shake_hands(service.address, '/ws?token=wrong'), 401);
+      assert.equal(await shake_hands(service.address, `/ws?token=${token}`, { Origin: 'http://evil.example' }), 403);
+      assert.equal(await shake_hands(service.address, `/ws?token=${token}`, { Host: 'evil.example:80' }), 403);
+    },
+  },
+  {
+    name: 'nothing went wrong in the page meanwhile',
+    async run({ seen }) {
+      assert.deepEqual(seen.errors, []);
+    },
+  },
+];

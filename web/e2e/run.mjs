@@ -1,0 +1,58 @@
+// npm run e2e: the journeys, one line each, and their count. Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
+import { launch } from './browser.mjs';
+import { journeys } from './journeys.mjs';
+import { available, program, start_service } from './service.mjs';
+
+let passed = 0;
+let failed = 0;
+let skipped = 0;
+
+async function main() {
+  if (!available) {
+    for (const journey of journeys) console.log(`skip ${journey.name}: there is no program at ${program}; build it or set UGOKI_BIN`);
+    skipped = journeys.length;
+    return;
+  }
+  const service = await start_service();
+  const browser = await launch();
+  try {
+    const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
+    const seen = { requests: [], errors: [] };
+    page.on('request', (r) => seen.requests.push(r.url()));
+    page.on('pageerror', (e) => seen.errors.push(e.message));
+    page.on('console', (m) => {
+      // a refused import is an answer of 4xx, which the browser reports by itself
+      if (m.type() === 'error' && !/status of 4\d\d/.test(m.text())) seen.errors.push(m.text());
+    });
+    const memory = {};
+    for (const journey of journeys) {
+      if (journey.skip) {
+        console.log(`skip ${journey.name}: ${journey.skip}`);
+        skipped++;
+        continue;
+      }
+      try {
+        await journey.run({ page, service, seen, memory });
+        console.log(`ok ${journey.name}`);
+        passed++;
+      } catch (error) {
+        console.log(`not ok ${journey.name}\n  ${String(error.message ?? error).split('\n').join('\n  ')}`);
+        failed++;
+        await page.screenshot({ path: new URL(`./out/failed-${passed + failed}.png`, import.meta.url).pathname }).catch(() => undefined);
+      }
+    }
+    if (failed > 0) console.log(`  the service said: ${service.said().slice(-1500)}`);
+  } finally {
+    await browser.close();
+    await service.stop();
+  }
+}
+
+try {
+  await main();
+} catch (error) {
+  console.log(`not ok the studio starts\n  ${error.message}`);
+  failed++;
+}
+console.log(`${passed} passed, ${failed} failed${skipped ? `, ${skipped} skipped` : ''}`);
+process.exit(failed > 0 ? 1 : 0);

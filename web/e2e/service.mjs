@@ -1,0 +1,53 @@
+// The service under test: the program (UGOKI_BIN), or with UGOKI_MOCK=1 the mock, in a folder of its own.
+import { spawn, spawnSync } from 'node:child_process';
+import { existsSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const here = fileURLToPath(new URL('.', import.meta.url));
+export const program = process.env.UGOKI_BIN ?? join(here, '../../build/release/bin/ugoki');
+export const mock = process.env.UGOKI_MOCK === '1';
+
+export const available = mock || existsSync(program);
+
+/** Starts it and waits for the address that it prints. */
+export async function start_service() {
+  const folder = mkdtempSync(join(tmpdir(), 'ugoki-e2e-'));
+  const env = { ...process.env, HOME: folder, XDG_DATA_HOME: join(folder, 'data'), XDG_CACHE_HOME: join(folder, 'cache'), XDG_CONFIG_HOME: join(folder, 'config') };
+  let child;
+  if (mock) child = spawn(process.execPath, [join(here, '../dev/mock-server.mjs'), '0'], { env, cwd: folder });
+  else {
+    const project = join(folder, 'sample.ugoki');
+    const made = spawnSync(program, ['new', project], { env, cwd: folder, encoding: 'utf8' });
+    if (made.status !== 0) throw new Error(`ugoki new ended with ${made.status}: ${made.stderr}${made.stdout}`);
+    child = spawn(program, ['studio', project, '--port', '0', '--no-browser'], { env, cwd: folder });
+  }
+  let said = '';
+  const address = await new Promise((resolve, reject) => {
+    const timer = setTimeout(() => reject(new Error(`no address within 60 s; it said: ${said}`)), 60000);
+    const look = (data) => {
+      said += data;
+      const found = said.match(/http:\/\/127\.0\.0\.1:\d+\/\?token=\S+/);
+      if (!found) return;
+      clearTimeout(timer);
+      resolve(found[0]);
+    };
+    child.stdout.on('data', look);
+    child.stderr.on('data', look);
+    child.on('exit', (code) => reject(new Error(`it ended with ${code}: ${said}`)));
+  });
+  return {
+    address,
+    said: () => said,
+    stop: () =>
+      new Promise((resolve) => {
+        child.on('exit', () => {
+          rmSync(folder, { recursive: true, force: true });
+          resolve();
+        });
+        child.kill('SIGTERM');
+        setTimeout(() => child.kill('SIGKILL'), 5000).unref();
+      }),
+  };
+}
