@@ -1,0 +1,26 @@
+#include "ugoki/base/check.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::samples {
+
+MechanismPtr make_ball() {
+  constexpr double radius = 0.11, mass = 0.35;
+  LinkSpec link;
+  link.name = "Ball";
+  link.label = "ball";
+  link.joint.type = JointType::floating;
+  Shape shape = Shape::sphere(radius);
+  shape.friction = 0.7;
+  shape.restitution = 0.7;
+  link.shapes = {shape};
+  const double moment = 2.0 / 3.0 * mass * radius * radius;  // a thin shell
+  link.inertia = Inertia::from_centre(mass, {}, {moment, moment, moment, 0, 0, 0});
+  MechanismSpec spec;
+  spec.name = "Ball";
+  spec.links = {link};
+  auto made = Mechanism::make(std::move(spec));
+  UGOKI_CHECK(made.has_value());
+  return *made;
+}
+
+}  // namespace ugoki::samples

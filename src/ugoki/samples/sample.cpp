@@ -1,0 +1,75 @@
+#include "ugoki/base/check.h"
+#include "ugoki/body/body.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::samples {
+namespace {
+
+// The ball lies on the way; at 6 s it is kicked so that after 0.6 s it meets the chest of the human, who walks at 1.35 m/s.
+constexpr const char* document = R"({
+  "version": 1,
+  "name": "park",
+  "duration": 20,
+  "frame_rate": 60,
+  "step": 0.002,
+  "gravity": [0, 0, -9.81],
+  "ground": {"height": 0, "friction": 0.9, "restitution": 0},
+  "characters": [
+    {
+      "id": "human", "name": "Human", "mechanism": "human", "color": "#e6e6ea",
+      "place": {"x": 0, "y": 0, "z": 0, "heading": 0},
+      "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
+      "track": [{"id": "k1", "motion": "human-walk", "start": 0, "length": 20, "offset": 0, "speed": 1, "blend": 0, "loop": true}]
+    },
+    {
+      "id": "dog", "name": "Dog", "mechanism": "dog", "color": "#c9a57b",
+      "place": {"x": 0.2, "y": 1.1, "z": 0, "heading": 0},
+      "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
+      "track": [{"id": "k2", "motion": "dog-trot", "start": 0, "length": 20, "offset": 0, "speed": 1, "blend": 0, "loop": true}]
+    },
+    {
+      "id": "ball", "name": "Ball", "mechanism": "ball", "color": "#ff8a3d",
+      "place": {"x": 12.4, "y": -1.5, "z": 0.11, "heading": 0},
+      "control": {"mode": "passive", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
+      "track": []
+    }
+  ],
+  "events": [
+    {"id": "e1", "type": "throw", "time": 6, "character": "ball", "from": [12.4, -1.5, 0.11], "velocity": [-5.55, 2.5, 4.88], "spin": [0, -6, 0]}
+  ],
+  "camera": {"follow": "human", "distance": 5, "azimuth": 0.7, "elevation": 0.2},
+  "look": {"light": 0.9, "floor": "#2a2c31"},
+  "circuit": null
+}
+)";
+
+}  // namespace
+
+Sample make_sample() {
+  Sample out;
+  out.document = document;
+
+  const MeasuredMotion walk = make_human_walk();
+  body::BodyOptions options;
+  options.height = 1.75;
+  options.mass = 70;
+  const auto human = body::make_body(walk, options);
+  UGOKI_CHECK(human.has_value());
+  const auto adopt = [&](const char* id, Motion motion) {
+    motion.cyclic = true;
+    out.resources.motions[id] = std::make_shared<const Motion>(std::move(motion));
+  };
+  out.resources.mechanisms["human"] = human->mechanism;
+  adopt("human-walk", body::to_motion(*human, walk));
+  adopt("human-stand", body::to_motion(*human, make_human_stand()));
+
+  const MechanismPtr dog = make_dog();
+  out.resources.mechanisms["dog"] = dog;
+  adopt("dog-trot", make_dog_trot(*dog));
+  adopt("dog-stand", make_dog_stand(*dog));
+
+  out.resources.mechanisms["ball"] = make_ball();
+  return out;
+}
+
+}  // namespace ugoki::samples
