@@ -1,0 +1,158 @@
+// `ugoki import`: measured files become library entries.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "output.h"
+#include "sources.h"
+#include "ugoki/base/number.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/bvh.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<std::string> files;
+  SourceOptions source;
+  std::string bvh;
+  bool dry = false, json = false;
+};
+
+/// Writes the measured motion back and reads it again. @return greatest distance of a joint over all frames, m
+Result<double> write_back(const MeasuredMotion& measured, const std::string& path) {
+  const std::string text = formats::write_bvh(measured);
+  formats::BvhOptions same_unit;
+  same_unit.metres_per_unit = measured.skeleton.unit;
+  const Result<MeasuredMotion> again = formats::read_bvh(text, path, same_unit);
+  if (!again) return fail(again.error());
+  if (Result<void> written = files::write_file(path, text); !written) return fail(std::move(written.error()));
+  double worst = again->frames == measured.frames && again->joint_count() == measured.joint_count() ? 0 : INFINITY;
+  std::vector<Pose> before(static_cast<std::size_t>(measured.joint_count())), after(before.size());
+  for (int frame = 0; std::isfinite(worst) && frame < measured.frames; ++frame) {
+    measured.calc_joint_poses(frame, before);
+    again->calc_joint_poses(frame, after);
+    for (std::size_t j = 0; j < before.size(); ++j) worst = std::max(worst, norm(before[j].p - after[j].p));
+  }
+  return worst;
+}
+
+/// One file, wholly or not at all.
+Result<Json> import_one(const std::string& path, const Options& options, store::Library* library) {
+  Result<intake::Intake> taken = take_in_file(path, options.source);
+  if (!taken) return fail(std::move(taken.error()));
+  Json row = {{"file", path}, {"name", taken->items.front().name}};
+  if (taken->measured) {
+    row["frames"] = taken->measured->frames;
+    row["joints"] = taken->measured->joint_count();
+    row["duration_s"] = taken->measured->duration();
+    row["rate"] = taken->measured->rate;
+    row["height_m"] = taken->body->height;
+  } else {
+    row["joints"] = taken->mechanism->link_count();
+  }
+  row["mass_kg"] = taken->mechanism->mass();
+  row["freedoms"] = taken->mechanism->nv();
+  row["links"] = taken->mechanism->link_count();
+  if (taken->body) row["human"] = taken->body->human;
+  if (taken->metres_per_unit > 0) row["metres_per_unit"] = taken->metres_per_unit;
+  if (!options.bvh.empty() && taken->measured) {
+    std::error_code ignored;
+    const std::string out = fs::is_directory(options.bvh, ignored) ? (fs::path(options.bvh) / (fs::path(path).stem().string() + ".bvh")).string() : options.bvh;
+    if (fs::equivalent(out, path, ignored)) return fail(ErrorCode::conflict, out, "This is the file that is imported.", "Write the copy elsewhere.");
+    const Result<double> error = write_back(*taken->measured, out);
+    if (!error) return fail(error.error());
+    row["bvh"] = out;
+    row["bvh_error_m"] = *error;
+  }
+  if (library) {
+    const Result<std::vector<std::string>> ids = intake::put(*library, *taken);
+    if (!ids) return fail(ids.error());
+    for (std::size_t i = 0; i < ids->size(); ++i) row["ids"][std::string(store::name_of(taken->items[i].kind))] = (*ids)[i];
+  }
+  row["report"] = taken->report;
+  return row;
+}
+
+std::string cell(const Json& row, const char* key, int digits) {
+  if (!row.contains(key)) return "-";
+  const Json& value = row[key];
+  return value.is_number_integer() ? std::to_string(value.get<long>()) : to_fixed(value.get<double>(), digits);
+}
+
+int run_import(const Options& options) {
+  catch_interrupt();
+  std::unique_ptr<store::Library> library;
+  if (!options.dry) {
+    Result<store::Library> opened = store::Library::open(library_path(options.source.library));
+    if (!opened) return print_error(opened.error(), options.json);
+    library = std::make_unique<store::Library>(std::move(*opened));
+  }
+  Json files = Json::array(), errors = Json::array();
+  std::vector<std::vector<std::string>> table = {{"name", "frames", "joints", "s", "1/s", "height m", "mass kg", "freedoms", "motion"}};
+  Progress progress("import");
+  bool failed = false;
+  for (std::size_t i = 0; i < options.files.size(); ++i) {
+    progress.show(static_cast<double>(i) / static_cast<double>(options.files.size()));
+    Result<Json> row = interrupted() ? fail(interrupted_error()) : import_one(options.files[i], options, library.get());
+    if (!row) {
+      failed = true;
+      progress.clear();
+      (void)print_error(row.error(), false);
+      Json error = to_json(row.error());
+      error["file"] = options.files[i];
+      errors.push_back(std::move(error));
+      if (interrupted()) break;
+      continue;
+    }
+    table.push_back({(*row)["name"], cell(*row, "frames", 0), cell(*row, "joints", 0), cell(*row, "duration_s", 3), cell(*row, "rate", 2), cell(*row, "height_m", 3),
+                     cell(*row, "mass_kg", 2), cell(*row, "freedoms", 0), row->contains("ids") && (*row)["ids"].contains("motion") ? (*row)["ids"]["motion"].get<std::string>() : "-"});
+    files.push_back(std::move(*row));
+  }
+  progress.clear();
+  if (options.json) {
+    print_json({{"files", std::move(files)}, {"errors", std::move(errors)}});
+    return failed ? 1 : 0;
+  }
+  if (table.size() > 1) print_table(table);
+  for (const Json& file : files) {
+    for (const Json& line : file["report"]) print_line(file["name"].get<std::string>() + ": " + line.get<std::string>());
+    if (file.contains("bvh"))
+      print_line(file["name"].get<std::string>() + ": written back to " + file["bvh"].get<std::string>() + "; no joint is off by more than " + to_text(file["bvh_error_m"].get<double>()) + " m.");
+  }
+  return failed ? 1 : 0;
+}
+
+}  // namespace
+
+void add_import_verb(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("import", "Read measured files, make bodies of them, and put both into the library.");
+  verb->add_option("files", options->files, "BVH, AMC (with their ASF) or mechanism JSON files")->required();
+  verb->add_option("--name", options->source.intake.name, "Name of the entries (one file only; otherwise the file's name)");
+  verb->add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas")->delimiter(',');
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
+  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")->check(CLI::Range(1e-6, 1000.0));
+  verb->add_option("--rate", options->source.intake.rate, "Frames a second of AMC files, which do not tell")->check(CLI::Range(1.0, 10000.0))->capture_default_str();
+  verb->add_option("--asf", options->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  verb->add_option("--bvh", options->bvh, "Write the measured motion back as BVH: a file, or a folder for several");
+  verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--dry-run", options->dry, "Read and report, store nothing");
+  verb->add_flag("--json", options->json, "Print one JSON object");
+  verb->footer("Example:\n  ugoki import walk.bvh --tags walk,slow\n  ugoki import 12_01.amc --asf 12.asf --mass 70 --bvh copy.bvh");
+  verb->callback([options, &action] {
+    std::error_code ignored;
+    if (options->files.size() > 1 && !options->source.intake.name.empty()) throw CLI::ValidationError("--name", "names one file's entries; give one file.");
+    if (options->files.size() > 1 && !options->bvh.empty() && !fs::is_directory(options->bvh, ignored))
+      throw CLI::ValidationError("--bvh", "must be an existing folder when there are several files.");
+    action = [options] { return run_import(*options); };
+  });
+}
+
+}  // namespace ugoki::cli

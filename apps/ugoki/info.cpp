@@ -1,0 +1,234 @@
+// `ugoki info`: what a file or an entry of the library holds.
+
+#include <memory>
+
+#include "output.h"
+#include "sources.h"
+#include "ugoki/base/number.h"
+#include "ugoki/content/executable.h"
+#include "ugoki/content/ugx.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/project/project.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+struct Options {
+  std::string target;
+  SourceOptions source;
+  bool tree = false, json = false;
+};
+
+Json mechanism_json(const Mechanism& m) {
+  Json links = Json::array();
+  for (const Link& link : m.links()) {
+    links.push_back({{"name", link.name},
+                     {"label", link.label},
+                     {"parent", link.parent},
+                     {"joint", name_of(link.joint.type)},
+                     {"freedoms", link.joint.nv()},
+                     {"mass_kg", link.inertia.mass},
+                     {"shapes", link.shapes.size()}});
+  }
+  return {{"name", m.name()}, {"links_count", m.link_count()}, {"freedoms", m.nv()}, {"coordinates", m.nq()}, {"mass_kg", m.mass()}, {"loops", m.has_loops()}, {"links", std::move(links)}};
+}
+
+Json motion_json(const Motion& m) {
+  Json contacts = Json::array();
+  for (const ContactTrack& c : m.contacts) {
+    long on = 0;
+    for (const std::uint8_t x : c.on) on += x != 0;
+    contacts.push_back({{"link", c.link}, {"share", m.frames > 0 ? static_cast<double>(on) / m.frames : 0.0}});
+  }
+  return {{"name", m.name}, {"source", m.source}, {"mechanism", m.mechanism}, {"frames", m.frames}, {"rate", m.rate}, {"duration_s", m.duration()}, {"coordinates", m.nq}, {"cyclic", m.cyclic}, {"contacts", std::move(contacts)}};
+}
+
+Json measured_json(const MeasuredMotion& m) {
+  Json joints = Json::array();
+  for (const SkeletonJoint& j : m.skeleton.joints) joints.push_back({{"name", j.name}, {"parent", j.parent}, {"freedoms", j.freedoms.size()}, {"order", j.rotation_order}, {"translates", j.translates}});
+  return {{"name", m.name},
+          {"source", m.source},
+          {"frames", m.frames},
+          {"rate", m.rate},
+          {"duration_s", m.duration()},
+          {"joints_count", m.joint_count()},
+          {"height_m", rest_height(m.skeleton)},
+          {"metres_per_unit", m.skeleton.unit},
+          {"joints", std::move(joints)}};
+}
+
+Json scenario_json(const content::Scenario& s) {
+  Json characters = Json::array();
+  for (const content::ScenarioCharacter& c : s.characters)
+    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"mode", c.control.mode == content::ControlMode::track ? "track" : "passive"}, {"clips", c.track.size()}});
+  return {{"name", s.name},
+          {"duration_s", s.duration},
+          {"frame_rate", s.frame_rate},
+          {"step_s", s.step},
+          {"characters", std::move(characters)},
+          {"events", s.events.size()},
+          {"circuit", s.circuit.empty() ? "default" : "own"}};
+}
+
+Result<Json> info_of_entry(const Options& options) {
+  const Result<store::Library> library = store::Library::open_read_only(library_path(options.source.library));
+  if (!library) return fail(library.error());
+  const Result<store::LibraryEntry> entry = library->resolve(options.target);
+  if (!entry) return fail(entry.error());
+  const Result<std::vector<std::byte>> data = library->data(entry->id);
+  if (!data) return fail(data.error());
+  const std::string place = "library entry " + entry->id;
+  Json json = {{"kind", store::name_of(entry->kind)}, {"id", entry->id}, {"tags", entry->tags}};
+  if (entry->kind == store::EntryKind::mechanism) {
+    const Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, place);
+    if (!mechanism) return fail(mechanism.error());
+    json.update(mechanism_json(**mechanism));
+  } else if (entry->kind == store::EntryKind::motion) {
+    const Result<Motion> motion = formats::read_motion(*data, place);
+    if (!motion) return fail(motion.error());
+    json.update(motion_json(*motion));
+  } else {
+    const Result<MeasuredMotion> measured = formats::read_measured_motion(*data, place);
+    if (!measured) return fail(measured.error());
+    json.update(measured_json(*measured));
+  }
+  json["name"] = entry->name;
+  return json;
+}
+
+Result<Json> info_of_executable(const std::string& path) {
+  const Result<std::string> text = files::read_file(path);
+  if (!text) return fail(text.error());
+  const std::span<const std::byte> bytes(reinterpret_cast<const std::byte*>(text->data()), text->size());
+  const Result<content::Executable> executable = content::read_executable(bytes, path);
+  if (!executable) return fail(executable.error());
+  Json sections = Json::array();
+  for (const content::UgxSection& s : content::read_ugx(bytes)->sections()) sections.push_back({{"name", s.name}, {"bytes", s.bytes.size()}});
+  Json characters = Json::array();
+  for (const content::ExecutableCharacter& c : executable->characters)
+    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", executable->mechanism_ids[static_cast<std::size_t>(c.mechanism)]}, {"clips", c.track.size()}});
+  return Json{{"kind", "executable data"},
+              {"name", executable->name},
+              {"version", content::ugx_version},
+              {"bytes", bytes.size()},
+              {"duration_s", executable->duration},
+              {"frame_rate", executable->frame_rate},
+              {"step_s", executable->step},
+              {"mechanisms", executable->mechanisms.size()},
+              {"motions", executable->motions.size()},
+              {"characters", std::move(characters)},
+              {"events", executable->events.size()},
+              {"sections", std::move(sections)}};
+}
+
+Result<Json> info_of(const Options& options) {
+  const Result<TargetKind> kind = kind_of(options.target);
+  if (!kind) return fail(kind.error());
+  switch (*kind) {
+    case TargetKind::entry: return info_of_entry(options);
+    case TargetKind::executable: return info_of_executable(options.target);
+    case TargetKind::project: {
+      const Result<project::Project> project = project::Project::open_read_only(options.target);
+      if (!project) return fail(project.error());
+      Json json = {{"kind", "project"}};
+      json.update(scenario_json(project->scenario()));
+      json["unsaved"] = project->unsaved();
+      Json mechanisms = Json::array(), motions = Json::array();
+      for (const auto& [id, m] : project->resources().mechanisms)
+        mechanisms.push_back({{"id", id}, {"name", m->name()}, {"links", m->link_count()}, {"freedoms", m->nv()}, {"mass_kg", m->mass()}});
+      for (const auto& [id, m] : project->resources().motions)
+        motions.push_back({{"id", id}, {"name", m->name}, {"frames", m->frames}, {"duration_s", m->duration()}, {"cyclic", m->cyclic}});
+      json["mechanisms"] = std::move(mechanisms);
+      json["motions"] = std::move(motions);
+      return json;
+    }
+    case TargetKind::library: {
+      const Result<store::Library> library = store::Library::open_read_only(options.target);
+      if (!library) return fail(library.error());
+      Json json = {{"kind", "library"}, {"file", options.target}};
+      for (const char* of : {"mechanism", "motion", "measured"}) {
+        const Result<std::vector<store::LibraryEntry>> entries = library->find({"", {of}, {}, 1'000'000});
+        if (!entries) return fail(entries.error());
+        json[of] = entries->size();
+      }
+      return json;
+    }
+    case TargetKind::mechanism_file: {
+      const Result<std::string> text = files::read_file(options.target);
+      if (!text) return fail(text.error());
+      const Result<MechanismPtr> mechanism = formats::read_mechanism(*text, options.target);
+      if (!mechanism) return fail(mechanism.error());
+      Json json = {{"kind", "mechanism"}};
+      json.update(mechanism_json(**mechanism));
+      return json;
+    }
+    case TargetKind::measured_file: {
+      const Result<intake::Intake> taken = take_in_file(options.target, options.source);
+      if (!taken) return fail(taken.error());
+      Json json = {{"kind", "measured"}};
+      json.update(measured_json(*taken->measured));
+      json["height_m"] = taken->body->height;
+      json["mass_kg"] = taken->body->mass;
+      json["body"] = mechanism_json(*taken->mechanism);
+      json["report"] = taken->report;
+      return json;
+    }
+  }
+  return fail(ErrorCode::unsupported, options.target, "This kind of file is not known.", "Give another.");
+}
+
+/// Plain values as lines, lists of objects as tables.
+void print_text(const Json& json, const std::string& indent) {
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_object()) {
+      print_line(indent + key);
+      print_text(value, indent + "  ");
+    } else if (value.is_array() && !value.empty() && value[0].is_object()) {
+      print_line(indent + key);
+      std::vector<std::vector<std::string>> rows(1);
+      for (const auto& [column, ignored] : value[0].items()) rows[0].push_back(indent + "  " + column);
+      for (const Json& row : value) {
+        std::vector<std::string> cells;
+        for (const auto& [column, cell] : row.items())
+          cells.push_back(indent + "  " + (cell.is_string() ? cell.get<std::string>() : cell.is_number_float() ? to_fixed(cell.get<double>(), 3) : cell.dump()));
+        rows.push_back(std::move(cells));
+      }
+      print_table(rows);
+    } else if (value.is_array()) {
+      std::string text;
+      for (const Json& item : value) text += (text.empty() ? "" : "\n" + indent + std::string(18, ' ')) + (item.is_string() ? item.get<std::string>() : item.dump());
+      print_line(indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ') + text);
+    } else {
+      const std::string text = value.is_string() ? value.get<std::string>() : value.is_number_float() ? to_text(value.get<double>()) : value.dump();
+      print_line(indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ') + text);
+    }
+  }
+}
+
+int run_info(const Options& options) {
+  const Result<Json> json = info_of(options);
+  if (!json) return print_error(json.error(), options.json);
+  if (options.json)
+    print_json(*json);
+  else
+    print_text(*json, "");
+  return 0;
+}
+
+}  // namespace
+
+void add_info_verb(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("info", "What a file or an entry of the library holds: counts, tree, masses, freedoms.");
+  verb->add_option("target", options->target, "BVH, AMC, mechanism JSON, *.ugoki, *.ugx, a library, or an entry's name or id")->required();
+  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
+  verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--json", options->json, "Print one JSON object");
+  verb->footer("Example:\n  ugoki info walk.bvh\n  ugoki info park.ugoki --json");
+  verb->callback([options, &action] { action = [options] { return run_info(*options); }; });
+}
+
+}  // namespace ugoki::cli

@@ -1,0 +1,25 @@
+// The command line: one verb a file.
+
+#include "verb.h"
+
+int main(int argc, char** argv) {
+  using namespace ugoki::cli;
+  CLI::App app("Physically natural motion of people, animals and any other linked mechanism.", "ugoki");
+  app.set_version_flag("--version", "ugoki 0.1.0");
+  app.require_subcommand(1);
+  app.footer("`ugoki VERB --help` tells what a verb does, with an example.");
+  Action action;
+  add_studio_verb(app, action);
+  add_new_verb(app, action);
+  add_import_verb(app, action);
+  add_db_verb(app, action);
+  add_info_verb(app, action);
+  add_run_verb(app, action);
+  add_judge_verb(app, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return action ? action() : 2;
+}

@@ -1,0 +1,60 @@
+// `ugoki new`: a project to begin with.
+
+#include <filesystem>
+#include <memory>
+
+#include "output.h"
+#include "ugoki/project/project.h"
+#include "ugoki/samples/samples.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+struct Options {
+  std::string path, name;
+  bool empty = false, json = false;
+};
+
+int run_new(const Options& options) {
+  content::Scenario scenario;
+  content::Resources resources;
+  if (!options.empty) {
+    samples::Sample sample = samples::make_sample();
+    Result<content::Scenario> document = content::read_scenario(sample.document, "sample");
+    if (!document) return print_error(document.error(), options.json);
+    scenario = std::move(*document);
+    resources = std::move(sample.resources);
+  }
+  if (!options.name.empty())
+    scenario.name = options.name;
+  else if (options.empty)
+    scenario.name = std::filesystem::path(options.path).stem().string();
+  const Result<project::Project> made = project::Project::create(options.path, scenario, resources);
+  if (!made) return print_error(made.error(), options.json);
+  if (options.json)
+    print_json({{"project", options.path},
+                {"name", scenario.name},
+                {"characters", scenario.characters.size()},
+                {"mechanisms", resources.mechanisms.size()},
+                {"motions", resources.motions.size()},
+                {"duration_s", scenario.duration}});
+  else
+    print_line("Made " + options.path + " (" + scenario.name + "). Open it with: ugoki studio " + options.path);
+  return 0;
+}
+
+}  // namespace
+
+void add_new_verb(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("new", "Make a project with the sample content, or an empty one.");
+  verb->add_option("project", options->path, "The file to make, *.ugoki")->required();
+  verb->add_option("--name", options->name, "Name of the content");
+  verb->add_flag("--empty", options->empty, "Without the sample content");
+  verb->add_flag("--json", options->json, "Print one JSON object");
+  verb->footer("Example:\n  ugoki new park.ugoki");
+  verb->callback([options, &action] { action = [options] { return run_new(*options); }; });
+}
+
+}  // namespace ugoki::cli

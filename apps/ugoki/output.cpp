@@ -1,0 +1,118 @@
+#include "output.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+
+namespace ugoki::cli {
+namespace {
+
+volatile std::sig_atomic_t interrupt_mark = 0;
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+std::string_view name_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::syntax: return "syntax";
+    case ErrorCode::truncated: return "truncated";
+    case ErrorCode::range: return "range";
+    case ErrorCode::unknown: return "unknown";
+    case ErrorCode::duplicate: return "duplicate";
+    case ErrorCode::structure: return "structure";
+    case ErrorCode::unsupported: return "unsupported";
+    case ErrorCode::io: return "io";
+    case ErrorCode::conflict: return "conflict";
+    case ErrorCode::cancelled: return "cancelled";
+  }
+  return "";
+}
+
+/// Columns of a UTF-8 text on the screen, near enough.
+std::size_t width_of(std::string_view text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+bool is_number(std::string_view text) {
+  return text.empty() || text == "-" || (text.find_first_not_of("0123456789.+-e") == std::string_view::npos && text.find_first_of("0123456789") != std::string_view::npos);
+}
+
+}  // namespace
+
+Json to_json(const Error& error) {
+  Json problems = Json::array();
+  for (const Problem& p : error.problems) problems.push_back({{"code", name_of(p.code)}, {"place", p.place}, {"message", p.message}, {"remedy", p.remedy}});
+  return {{"problems", std::move(problems)}};
+}
+
+int print_error(const Error& error, bool json) {
+  for (const Problem& p : error.problems) std::fprintf(stderr, "ugoki: %s\n", p.text().c_str());
+  if (json) print_json({{"error", to_json(error)}});
+  return 1;
+}
+
+void print_json(const Json& json) { print_line(json.dump(2, ' ', false, Json::error_handler_t::replace)); }
+
+void print_line(std::string_view line) {
+  std::fwrite(line.data(), 1, line.size(), stdout);
+  std::fputc('\n', stdout);
+  std::fflush(stdout);
+}
+
+void print_table(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  std::vector<bool> numeric;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    widths.resize(std::max(widths.size(), rows[r].size()));
+    numeric.resize(widths.size(), true);
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      widths[c] = std::max(widths[c], width_of(rows[r][c]));
+      if (r > 0 && !is_number(rows[r][c])) numeric[c] = false;
+    }
+  }
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      const std::string pad(widths[c] - width_of(row[c]), ' ');
+      line += (c ? "  " : "") + (numeric[c] ? pad + row[c] : row[c] + pad);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    print_line(line);
+  }
+}
+
+Progress::Progress(std::string label) : label_(std::move(label)), terminal_(::isatty(STDERR_FILENO) == 1), began_(now()) {}
+Progress::~Progress() { clear(); }
+
+void Progress::show(double done) {
+  if (!terminal_) return;
+  const double t = now();
+  if (t - began_ < 0.5 || t - last_ < 0.1) return;
+  last_ = t;
+  drawn_ = true;
+  constexpr int cells = 30;
+  const int full = std::clamp(static_cast<int>(done * cells), 0, cells);
+  const std::string bar = std::string(static_cast<std::size_t>(full), '#') + std::string(static_cast<std::size_t>(cells - full), '.');
+  std::fprintf(stderr, "\r%s [%s] %3d %%\x1b[K", label_.c_str(), bar.c_str(), static_cast<int>(100 * std::clamp(done, 0.0, 1.0)));
+  std::fflush(stderr);
+}
+
+void Progress::clear() {
+  if (!drawn_) return;
+  std::fputs("\r\x1b[K", stderr);
+  std::fflush(stderr);
+  drawn_ = false;
+}
+
+void catch_interrupt() {
+  struct sigaction act {};
+  act.sa_handler = [](int) { interrupt_mark = 1; };
+  ::sigaction(SIGINT, &act, nullptr);
+  ::sigaction(SIGTERM, &act, nullptr);
+}
+bool interrupted() { return interrupt_mark != 0; }
+Error interrupted_error() { return {ErrorCode::cancelled, "", "Stopped.", "Nothing was left half written."}; }
+
+}  // namespace ugoki::cli

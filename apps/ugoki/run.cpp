@@ -1,0 +1,194 @@
+// `ugoki run`: runs a clip, a project or executable data as dynamics, and measures.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "output.h"
+#include "simulate.h"
+#include "sources.h"
+#include "ugoki/base/hash.h"
+#include "ugoki/base/number.h"
+#include "ugoki/files/files.h"
+#include "ugoki/project/project.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+struct Options {
+  std::string target;
+  SourceOptions source;
+  double rate = 500, duration = 0;
+  double push = 0, push_time = 1, push_duration = 0.2;
+  std::string push_link = "chest";
+  std::vector<double> push_direction = {1, 0};
+  double assist_limit = -1;
+  std::string frames, executable;
+  bool rate_given = false, json = false;
+};
+
+struct Content {
+  std::string name;
+  std::vector<std::byte> ugx;
+  int frames = 0;          ///< measured frames of a clip, display frames otherwise
+  double height = 0;
+};
+
+/// The push and the cap that the options ask for, on the first character that follows a track.
+Result<void> apply_options(content::Scenario& s, const content::Resources& resources, const Options& options) {
+  if (options.rate_given) s.step = 1 / options.rate;
+  const auto figure = std::find_if(s.characters.begin(), s.characters.end(), [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
+  if (options.assist_limit >= 0)
+    for (content::ScenarioCharacter& c : s.characters) c.control.assist_limit = options.assist_limit;
+  if (options.push == 0) return {};
+  if (figure == s.characters.end()) return fail(ErrorCode::structure, "--push", "The content has no character that follows a track.", "Leave --push out.");
+  content::ScenarioEvent push;
+  push.id = "command-line-push";
+  push.time = options.push_time;
+  push.duration = options.push_duration;
+  push.character = figure->id;
+  push.link = options.push_link;
+  const double length = std::hypot(options.push_direction[0], options.push_direction[1]);
+  // Along the figure's heading at the start: x is forward.
+  const SinCos heading = sin_cos(figure->place.heading * pi / 180);
+  const double x = options.push_direction[0] / length * options.push, y = options.push_direction[1] / length * options.push;
+  push.force = {heading.cos * x - heading.sin * y, heading.sin * x + heading.cos * y, 0};
+  const Mechanism& mechanism = *resources.mechanisms.at(figure->mechanism);
+  if (content::find_link(mechanism, push.link) < 0) {
+    std::string links;
+    for (const Link& link : mechanism.links()) links += (links.empty() ? "" : ", ") + (link.label.empty() ? link.name : link.name + " (" + link.label + ")");
+    return fail(ErrorCode::unknown, "--push-link", "The figure has no link '" + push.link + "'.", "It has: " + links + ".");
+  }
+  s.events.push_back(push);
+  return {};
+}
+
+Result<Content> load(const Options& options) {
+  const Result<TargetKind> kind = kind_of(options.target);
+  if (!kind) return fail(kind.error());
+  Content out;
+  if (*kind == TargetKind::executable) {
+    if (options.push != 0 || options.rate_given || options.assist_limit >= 0)
+      return fail(ErrorCode::unsupported, options.target, "Executable data run as they were generated, without other rate, push or cap.", "Give the project instead.");
+    const Result<std::string> text = files::read_file(options.target);
+    if (!text) return fail(text.error());
+    const auto* p = reinterpret_cast<const std::byte*>(text->data());
+    out.ugx = {p, p + text->size()};
+    out.name = options.target;
+    return out;
+  }
+  content::Scenario scenario;
+  content::Resources resources;
+  if (*kind == TargetKind::project) {
+    const Result<project::Project> project = project::Project::open_read_only(options.target);
+    if (!project) return fail(project.error());
+    scenario = project->scenario();
+    resources = project->resources();
+    out.name = scenario.name;
+  } else {
+    const Result<ClipSource> clip = load_clip(options.target, options.source);
+    if (!clip) return fail(clip.error());
+    scenario = clip_scenario(*clip, 1 / options.rate);
+    resources = clip_resources(*clip);
+    out.name = clip->name;
+    out.frames = clip->motion->frames;
+    out.height = clip->height;
+  }
+  if (Result<void> done = apply_options(scenario, resources, options); !done) return fail(std::move(done.error()));
+  Result<std::vector<std::byte>> ugx = content::generate(scenario, resources);
+  if (!ugx) return fail(std::move(ugx.error()));
+  out.ugx = std::move(*ugx);
+  return out;
+}
+
+Json measures_json(const content::PlayerMeasures& m) {
+  return {{"tracking_rms_deg", m.tracking_rms_deg},
+          {"root_assist_rms_bw", m.assist_rms_bw},
+          {"root_assist_force_rms_bw", m.assist_force_rms_bw},
+          {"root_assist_max_bw", m.assist_max_bw},
+          {"foot_skate_cm", m.foot_skate_cm},
+          {"foot_skate_worst_cm", m.foot_skate_worst_cm},
+          {"penetration_mm", m.penetration_mm},
+          {"penetration_rms_mm", m.penetration_rms_mm},
+          {"fell", m.fell},
+          {"let_go_time", m.let_go_time >= 0 ? Json(m.let_go_time) : Json(nullptr)}};
+}
+
+int run_run(const Options& options) {
+  Result<Content> content = load(options);
+  if (!content) return print_error(content.error(), options.json);
+  if (!options.executable.empty())
+    if (Result<void> written = files::write_file(options.executable, std::span<const std::byte>(content->ugx)); !written) return print_error(written.error(), options.json);
+  Result<RunReport> report = simulate(content->ugx, content->name, {options.duration, options.frames});
+  if (!report) return print_error(report.error(), options.json);
+  const content::PlayerMeasures worst = report->worst();
+  double mass = 0;
+  for (const CharacterReport& c : report->characters)
+    if (c.tracks && mass == 0) mass = c.mass;
+  std::string hash(16, '0');
+  for (std::size_t i = 0; i < 16; ++i) hash[i] = "0123456789abcdef"[(report->state_hash >> (60 - 4 * i)) & 15];
+  if (options.json) {
+    Json json = {{"clip", content->name}, {"frames", content->frames}, {"duration_s", report->duration}, {"steps", report->steps}, {"steps_per_s", report->steps_per_second()}};
+    json.update(measures_json(worst));
+    json["realtime_factor"] = report->realtime_factor();
+    json["mass"] = mass;
+    json["height"] = content->height > 0 ? Json(content->height) : Json(nullptr);
+    json["state_hash"] = hash;
+    Json characters = Json::array();
+    for (const CharacterReport& c : report->characters) {
+      Json character = {{"id", c.id}, {"name", c.name}, {"mass", c.mass}, {"tracks", c.tracks}};
+      if (c.tracks) character.update(measures_json(c.measures));
+      characters.push_back(std::move(character));
+    }
+    json["characters"] = std::move(characters);
+    print_json(json);
+    return 0;
+  }
+  print_line(content->name + ": " + to_fixed(report->duration, 2) + " s in " + std::to_string(report->steps) + " steps of " + to_fixed(1000 * report->step, 3) + " ms, " +
+             to_fixed(report->realtime_factor(), 1) + " times faster than real time, state " + hash);
+  std::vector<std::vector<std::string>> rows = {{"character", "tracking deg", "assist bw", "skate cm", "penetration mm", "let go s", "fell"}};
+  for (const CharacterReport& c : report->characters) {
+    if (!c.tracks) {
+      rows.push_back({c.name, "-", "-", "-", "-", "-", "-"});
+      continue;
+    }
+    const content::PlayerMeasures& m = c.measures;
+    rows.push_back({c.name, to_fixed(m.tracking_rms_deg, 2), to_fixed(m.assist_rms_bw, 3), to_fixed(m.foot_skate_cm, 2), to_fixed(m.penetration_mm, 1),
+                    m.let_go_time >= 0 ? to_fixed(m.let_go_time, 2) : "-", m.fell ? "yes" : "no"});
+  }
+  print_table(rows);
+  return 0;
+}
+
+}  // namespace
+
+void add_run_verb(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("run", "Run a clip, a project or executable data as dynamics, and measure.");
+  verb->add_option("target", options->target, "BVH or AMC file, motion of the library, *.ugoki or *.ugx")->required();
+  CLI::Option* rate = verb->add_option("--rate", options->rate, "Steps a second (a project has its own)")->check(CLI::Range(250.0, 2000.0))->capture_default_str();
+  verb->add_option("--duration", options->duration, "Seconds to run (otherwise all)")->check(CLI::Range(0.0005, 86400.0));
+  verb->add_option("--push", options->push, "Push with this force in N")->check(CLI::Range(-1e6, 1e6));
+  verb->add_option("--push-time", options->push_time, "When to push, s")->check(CLI::Range(0.0, 86400.0))->capture_default_str();
+  verb->add_option("--push-duration", options->push_duration, "How long to push, s")->check(CLI::Range(0.0005, 3600.0))->capture_default_str();
+  verb->add_option("--push-link", options->push_link, "Link to push, by name or label")->capture_default_str();
+  verb->add_option("--push-direction", options->push_direction, "Direction x,y; x is where the figure faces at the start, y its left")->delimiter(',')->expected(2);
+  verb->add_option("--assist-limit", options->assist_limit, "Cap of the root assist, body weights")->check(CLI::Range(0.0, 10.0));
+  verb->add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
+  verb->add_option("--ugx", options->executable, "Write the executable data to this file");
+  verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
+  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")->check(CLI::Range(1e-6, 1000.0));
+  verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--json", options->json, "Print one JSON object");
+  verb->footer("Example:\n  ugoki run walk.bvh --json\n  ugoki run 12_01.amc --push 150 --push-time 2 --push-direction 0,1");
+  verb->callback([options, rate, &action] {
+    options->rate_given = rate->count() > 0;
+    if (std::hypot(options->push_direction[0], options->push_direction[1]) < 1e-9) throw CLI::ValidationError("--push-direction", "must not be 0,0.");
+    action = [options] { return run_run(*options); };
+  });
+}
+
+}  // namespace ugoki::cli

@@ -1,0 +1,80 @@
+#include "simulate.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "output.h"
+#include "ugoki/files/files.h"
+
+namespace ugoki::cli {
+
+content::PlayerMeasures RunReport::worst() const {
+  const bool any_tracks = std::any_of(characters.begin(), characters.end(), [](const CharacterReport& c) { return c.tracks; });
+  content::PlayerMeasures w;
+  for (const CharacterReport& c : characters) {
+    if (any_tracks && !c.tracks) continue;
+    const content::PlayerMeasures& m = c.measures;
+    w.tracking_rms_deg = std::max(w.tracking_rms_deg, m.tracking_rms_deg);
+    w.assist_rms_bw = std::max(w.assist_rms_bw, m.assist_rms_bw);
+    w.assist_force_rms_bw = std::max(w.assist_force_rms_bw, m.assist_force_rms_bw);
+    w.assist_max_bw = std::max(w.assist_max_bw, m.assist_max_bw);
+    w.foot_skate_cm = std::max(w.foot_skate_cm, m.foot_skate_cm);
+    w.foot_skate_worst_cm = std::max(w.foot_skate_worst_cm, m.foot_skate_worst_cm);
+    w.penetration_mm = std::max(w.penetration_mm, m.penetration_mm);
+    w.penetration_rms_mm = std::max(w.penetration_rms_mm, m.penetration_rms_mm);
+    w.fell = w.fell || m.fell;
+    if (m.let_go_time >= 0) w.let_go_time = w.let_go_time < 0 ? m.let_go_time : std::min(w.let_go_time, m.let_go_time);
+  }
+  return w;
+}
+
+Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  Result<content::Player> player = content::Player::open(ugx, name);
+  if (!player) return fail(std::move(player.error()));
+  const content::Executable& content = player->content();
+  RunReport report;
+  report.name = content.name;
+  report.step = player->step_size();
+  const double duration = options.duration > 0 ? options.duration : content.duration;
+  const auto steps = static_cast<std::uint64_t>(std::llround(duration / report.step));
+  const double frame_time = 1 / content.frame_rate;
+  std::vector<std::byte> frames, encoded;
+  content::DisplayFrame frame;
+  std::uint32_t frame_number = 0;
+  const auto record = [&] {
+    player->display_frame(frame);
+    content::encode_frame(frame, frame_number++, content::frame_simulate, encoded);
+    frames.insert(frames.end(), encoded.begin(), encoded.end());
+  };
+  catch_interrupt();
+  Progress progress("run " + name);
+  if (!options.frames.empty()) record();
+  constexpr std::uint64_t chunk = 64;  // steps between looks at the clock
+  for (std::uint64_t done = 0; done < steps;) {
+    std::uint64_t until = std::min(steps, done + chunk);
+    if (!options.frames.empty()) until = std::clamp(static_cast<std::uint64_t>(std::llround(frame_number * frame_time / report.step)), done + 1, steps);
+    const auto began = Clock::now();
+    for (; done < until; ++done)
+      if (Result<void> good = player->step(); !good) return fail(std::move(good.error()));
+    report.wall += std::chrono::duration<double>(Clock::now() - began).count();
+    if (!options.frames.empty() && static_cast<double>(done) * report.step >= frame_number * frame_time - 0.5 * report.step) record();
+    if (interrupted()) return fail(interrupted_error());
+    progress.show(static_cast<double>(done) / static_cast<double>(steps));
+  }
+  progress.clear();
+  report.steps = player->step_count();
+  report.duration = player->time();
+  report.state_hash = player->state_hash();
+  for (std::size_t i = 0; i < content.characters.size(); ++i) {
+    const content::ExecutableCharacter& c = content.characters[i];
+    report.characters.push_back({c.id, c.name, content.mechanisms[static_cast<std::size_t>(c.mechanism)]->mass(), c.control.mode == content::ControlMode::track && !c.track.empty(),
+                                 player->measures(static_cast<int>(i))});
+  }
+  if (!options.frames.empty())
+    if (Result<void> written = files::write_file(options.frames, std::span<const std::byte>(frames)); !written) return fail(std::move(written.error()));
+  return report;
+}
+
+}  // namespace ugoki::cli

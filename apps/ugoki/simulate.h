@@ -1,0 +1,44 @@
+#pragma once
+// Running content to its end, measured: what `run` and `judge` share.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ugoki/base/result.h"
+#include "ugoki/content/player.h"
+
+namespace ugoki::cli {
+
+struct CharacterReport {
+  std::string id, name;
+  double mass = 0;           ///< kg
+  bool tracks = false;
+  content::PlayerMeasures measures;
+};
+
+struct RunReport {
+  std::string name;
+  double duration = 0;       ///< s simulated
+  std::uint64_t steps = 0;
+  double step = 0;           ///< s
+  double wall = 0;           ///< s spent in steps alone
+  std::uint64_t state_hash = 0;
+  std::vector<CharacterReport> characters;
+
+  /// The worst of all characters that follow a track; of all if none does.
+  [[nodiscard]] content::PlayerMeasures worst() const;
+  [[nodiscard]] double steps_per_second() const { return wall > 0 ? static_cast<double>(steps) / wall : 0; }
+  [[nodiscard]] double realtime_factor() const { return wall > 0 ? duration / wall : 0; }
+};
+
+struct RunOptions {
+  double duration = 0;       ///< s; 0: the content's
+  std::string frames;        ///< file for display frames; empty: none
+};
+
+/// Runs executable data from its beginning, with a progress bar; Ctrl+C ends it without a half-written file.
+[[nodiscard]] Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options);
+
+}  // namespace ugoki::cli

@@ -1,0 +1,153 @@
+#include "sources.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include "output.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/motion/clip.h"
+#include "ugoki/project/project_file.h"
+#include "ugoki/store/sqlite.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<ClipSource> clip_of(intake::Intake taken) {
+  if (!taken.motion) return fail(ErrorCode::structure, taken.source, "It holds a mechanism without motion.", "Give a BVH or AMC file.");
+  return ClipSource{taken.motion->name, taken.mechanism, std::make_shared<const Motion>(std::move(*taken.motion)), taken.body ? taken.body->height : 0};
+}
+
+Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions& options) {
+  const std::string path = library_path(options.library);
+  std::error_code ignored;
+  if (!fs::exists(path, ignored))
+    return fail(ErrorCode::unknown, target, "There is no such file, and no library (" + path + ") in which it could be an entry.", "Check the name, or import something first.");
+  const Result<store::Library> library = store::Library::open_read_only(path);
+  if (!library) return fail(library.error());
+  Result<store::LibraryEntry> entry = library->resolve(target, "motion");
+  if (!entry) {
+    Result<store::LibraryEntry> measured = library->resolve(target);
+    if (!measured) return fail(ErrorCode::unknown, target, "There is no such file, and the library (" + path + ") has no such motion.", "List its motions with `ugoki db list --kind motion`.");
+    entry = std::move(measured);
+  }
+  Result<std::vector<std::byte>> data = library->data(entry->id);
+  if (!data) return fail(std::move(data.error()));
+  const std::string place = "library entry " + entry->id;
+  if (entry->kind == store::EntryKind::mechanism) return fail(ErrorCode::structure, place, "'" + entry->name + "' is a mechanism, not a motion.", "Name a motion.");
+  if (entry->kind == store::EntryKind::measured) {
+    Result<MeasuredMotion> measured = formats::read_measured_motion(*data, place);
+    if (!measured) return fail(std::move(measured.error()));
+    body::BodyOptions body_options;
+    body_options.height = options.intake.height;
+    body_options.mass = options.intake.mass;
+    Result<body::Body> body = body::make_body(*measured, body_options);
+    if (!body) return fail(std::move(body.error()));
+    return ClipSource{entry->name, body->mechanism, std::make_shared<const Motion>(body::to_motion(*body, *measured)), body->height};
+  }
+  Result<Motion> motion = formats::read_motion(*data, place);
+  if (!motion) return fail(std::move(motion.error()));
+  const Json summary = Json::parse(entry->summary, nullptr, false);
+  const std::string mechanism_id = summary.is_object() && summary.contains("mechanism") && summary["mechanism"].is_string() ? summary["mechanism"].get<std::string>() : "";
+  Result<std::vector<std::byte>> mechanism_data = library->data(mechanism_id);
+  if (!mechanism_data)
+    return fail(ErrorCode::unknown, place, "The library lacks the mechanism '" + mechanism_id + "' that moves in '" + entry->name + "'.", "Import the measured file again.");
+  Result<MechanismPtr> mechanism =
+      formats::read_mechanism({reinterpret_cast<const char*>(mechanism_data->data()), mechanism_data->size()}, "library entry " + mechanism_id);
+  if (!mechanism) return fail(std::move(mechanism.error()));
+  const double height = summary.contains("height") && summary["height"].is_number() ? summary["height"].get<double>() : 0;
+  return ClipSource{entry->name, std::move(*mechanism), std::make_shared<const Motion>(std::move(*motion)), height};
+}
+
+}  // namespace
+
+std::string library_path(const std::string& option) { return option.empty() ? store::Library::default_path() : option; }
+
+Result<TargetKind> kind_of(const std::string& target) {
+  std::error_code ignored;
+  if (!fs::exists(target, ignored)) {
+    // A name with a folder or an ending that files have was meant as a file.
+    if (target.find('/') != std::string::npos || target.ends_with(".ugoki") || target.ends_with(".ugx") || intake::file_kind(target))
+      return fail(ErrorCode::io, target, "There is no such file.", "Check its name.");
+    return TargetKind::entry;
+  }
+  if (fs::is_directory(target, ignored)) return fail(ErrorCode::io, target, "This is a folder.", "Give a file.");
+  std::string head(16, '\0');
+  std::ifstream file(target, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (head.starts_with("UGOKIUGX")) return TargetKind::executable;
+  if (head.starts_with("SQLite format 3")) {
+    Result<store::Database> database = store::Database::open(target, store::OpenMode::read_only);
+    if (!database) return fail(std::move(database.error()));
+    const Result<std::int64_t> application = database->integer("PRAGMA application_id");
+    if (!application) return fail(application.error());
+    return *application == project::project_application_id ? TargetKind::project : TargetKind::library;
+  }
+  if (target.ends_with(".ugoki")) return TargetKind::project;   // opening it says what is wrong
+  if (target.ends_with(".ugx")) return TargetKind::executable;
+  const std::optional<intake::FileKind> kind = intake::file_kind(target);
+  if (!kind) return fail(ErrorCode::unsupported, target, "This kind of file is not known.", "Give a .bvh, .amc, .json, .ugoki or .ugx file.");
+  return *kind == intake::FileKind::mechanism_json ? TargetKind::mechanism_file : TargetKind::measured_file;
+}
+
+Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions& options) {
+  Result<std::string> bytes = files::read_file(path);
+  if (!bytes) return fail(std::move(bytes.error()));
+  if (intake::file_kind(path) != intake::FileKind::amc) return intake::take_in(*bytes, path, nullptr, options.intake);
+  const std::string asf_path = options.asf.empty() ? intake::skeleton_name_for(path) : options.asf;
+  std::error_code ignored;
+  if (options.asf.empty() && !fs::exists(asf_path, ignored))
+    return fail(ErrorCode::io, path, "Its skeleton " + asf_path + " is not beside it.", "Give the skeleton with --asf FILE.");
+  Result<std::string> asf_text = files::read_file(asf_path);
+  if (!asf_text) return fail(std::move(asf_text.error()));
+  formats::AsfOptions asf_options;
+  asf_options.metres_per_unit = options.intake.unit;
+  const Result<formats::Asf> asf = formats::read_asf(*asf_text, asf_path, asf_options);
+  if (!asf) return fail(asf.error());
+  return intake::take_in(*bytes, path, &*asf, options.intake);
+}
+
+Result<ClipSource> load_clip(const std::string& target, const SourceOptions& options) {
+  const Result<TargetKind> kind = kind_of(target);
+  if (!kind) return fail(kind.error());
+  if (*kind == TargetKind::entry) return clip_of_entry(target, options);
+  if (*kind != TargetKind::measured_file) return fail(ErrorCode::unsupported, target, "This is no motion.", "Give a .bvh or .amc file, or a motion of the library.");
+  Result<intake::Intake> taken = take_in_file(target, options);
+  if (!taken) return fail(std::move(taken.error()));
+  return clip_of(std::move(*taken));
+}
+
+content::Scenario clip_scenario(const ClipSource& clip, double step) {
+  content::Scenario s;
+  s.name = clip.name;
+  s.duration = std::max(0.001, clip.motion->duration());
+  s.step = step;
+  content::ScenarioCharacter figure;
+  figure.id = "figure";
+  figure.name = clip.mechanism->name().empty() ? "figure" : clip.mechanism->name();
+  figure.mechanism = "mechanism";
+  // The motion stays where it was measured: its floor and its objects are there.
+  const Placement start = root_placement(*clip.mechanism, {clip.motion->frame(0), static_cast<std::size_t>(clip.motion->nq)});
+  figure.place = {start.x, start.y, 0, start.heading * (180 / pi)};
+  content::ScenarioClip whole;
+  whole.id = "k1";
+  whole.motion = "motion";
+  whole.length = s.duration;
+  whole.blend = 0;
+  figure.track.push_back(whole);
+  s.camera.follow = "figure";
+  s.characters.push_back(figure);
+  return s;
+}
+
+content::Resources clip_resources(const ClipSource& clip) {
+  content::Resources resources;
+  resources.mechanisms["mechanism"] = clip.mechanism;
+  resources.motions["motion"] = clip.motion;
+  return resources;
+}
+
+}  // namespace ugoki::cli
