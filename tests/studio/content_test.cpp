@@ -132,11 +132,13 @@ TEST_F(ContentTest, AGrabIsShownAtOnceAndPulls) {
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
   ASSERT_TRUE(interpreter.seek(0.5));
   settle();
-  ASSERT_TRUE(interpreter.grab("ball", "0", {0, 0, 0}, {0, 0, 3}));
+  const auto ball = sink.last.characters[2].links[0];
+  const Vec3 above = {ball[0], ball[1], 3};
+  ASSERT_TRUE(interpreter.grab("ball", "0", {0, 0, 0}, above));
   EXPECT_NE(sink.last.flags & content::frame_grab, 0u);
   EXPECT_EQ(sink.last.grab[5], 3);
-  EXPECT_EQ(sink.last.grab[0], sink.last.characters[2].links[0][0]);
-  ASSERT_TRUE(interpreter.drag({0, 0, 2.5}));
+  EXPECT_EQ(sink.last.grab[0], ball[0]);
+  ASSERT_TRUE(interpreter.drag({above.x, above.y, 2.5}));
   EXPECT_EQ(sink.last.grab[5], 2.5f);
   const float before = sink.last.characters[2].links[0][2];
   ASSERT_TRUE(interpreter.play(std::nullopt));
