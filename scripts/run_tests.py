@@ -167,7 +167,7 @@ def run_all(options):
                 tell(done.result())
     if options.wasm:
         tell(timed(lines_suite, "wasm", ["node", str(root / "tests/wasm/run.mjs"), str(root / "build/wasm/bin"),
-                                         os.environ["UGOKI_BIN"]], FAST_SECONDS, cwd=root))
+                                         str(root / "build/release/bin")], FAST_SECONDS, cwd=root))
     if options.web:
         tell(timed(vitest_suite, root, results))
     if options.e2e:

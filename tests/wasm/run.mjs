@@ -1,0 +1,115 @@
+// The WebAssembly check: the sample content in the WebAssembly player and natively gives the same states, bit by bit.
+//   node run.mjs FOLDER_OF_WASM FOLDER_OF_NATIVE_PROGRAMS
+// Prints a line for each test: `ok ...` or `not ok ...`; exit status 1 when one failed.
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { WasmPlayer } from "./player.mjs";
+
+const [wasmFolder, nativeFolder] = process.argv.slice(2);
+const steps = 600;
+const every = 60;
+let failures = 0;
+
+function test(name, body) {
+  try {
+    body();
+    console.log(`ok ${name}`);
+  } catch (error) {
+    failures += 1;
+    console.log(`not ok ${name}\n${error.stack ?? error}`);
+  }
+}
+
+function expect(condition, message) {
+  if (!condition) throw new Error(message);
+}
+
+const folder = mkdtempSync(join(tmpdir(), "ugoki-wasm-"));
+const file = join(folder, "sample.ugx");
+const native = spawnSync(join(nativeFolder, "ugoki_wasm_reference"), [file, steps, every], { encoding: "utf8" });
+if (native.status !== 0) {
+  console.log(`not ok the native player runs the sample\n${native.error ?? ""}${native.stderr ?? ""}`);
+  process.exit(1);
+}
+const checkpoints = native.stdout
+  .trim()
+  .split("\n")
+  .map((line) => line.split(" "))
+  .map(([step, hash]) => ({ step: Number(step), hash }));
+const content = readFileSync(file);
+rmSync(folder, { recursive: true });
+
+const player = new WasmPlayer(join(wasmFolder, "ugoki_player.wasm"));
+
+function run() {
+  player.exports.ugoki_reset();
+  let done = 0;
+  return checkpoints.map(({ step }) => {
+    const wanted = step - done;
+    const stepped = player.exports.ugoki_step(wanted);
+    expect(stepped === wanted, `stopped at step ${done + stepped}: ${player.message}`);
+    done = step;
+    return { step, hash: player.hash };
+  });
+}
+
+test("imports only what a page can offer in a few lines", () => {
+  const wanted = WebAssembly.Module.imports(player.module).map(({ module, name }) => `${module}.${name}`);
+  const offered = Object.keys(player.offered).map((name) => `wasi_snapshot_preview1.${name}`);
+  const beyond = wanted.filter((name) => !offered.includes(name));
+  expect(beyond.length === 0, `imports ${beyond.join(", ")}`);
+});
+
+test("opens the sample content", () => {
+  expect(player.open(content), player.message);
+  expect(player.exports.ugoki_duration() > 0 && player.exports.ugoki_step_size() > 0, "no duration or step");
+});
+
+test(`${steps} steps give the native hashes`, () => {
+  expect(checkpoints.length === steps / every, `the native run printed ${checkpoints.length} checkpoints`);
+  const began = performance.now();
+  for (const [i, { step, hash }] of run().entries()) {
+    expect(hash === checkpoints[i].hash, `step ${step}: WebAssembly ${hash}, native ${checkpoints[i].hash}`);
+  }
+  console.log(`# ${((performance.now() - began) / steps).toFixed(3)} ms a step in WebAssembly`);
+});
+
+test("states differ from checkpoint to checkpoint", () => {
+  expect(new Set(checkpoints.map(({ hash }) => hash)).size === checkpoints.length, "the figures do not move");
+});
+
+test("a second run gives the same hashes", () => {
+  for (const [i, { step, hash }] of run().entries()) expect(hash === checkpoints[i].hash, `step ${step}: ${hash}`);
+});
+
+test("a push changes the states", () => {
+  player.exports.ugoki_reset();
+  player.exports.ugoki_push(0, 0, 150, 0, 0, 0.2);
+  expect(player.exports.ugoki_step(every) === every, player.message);
+  expect(player.hash !== checkpoints[0].hash, "the push did nothing");
+});
+
+test("gives a display frame", () => {
+  const first = player.frame(1);
+  expect(player.exports.ugoki_step(every) === every, player.message);
+  const second = player.frame(2);
+  expect(first.length > 64 && second.length > 64, `frames of ${first.length} and ${second.length} bytes`);
+  expect(Buffer.compare(first, second) !== 0, "two frames are the same");
+});
+
+test("refuses damaged executable data in words", () => {
+  const sizes = [0, 1, 8, 31, 32, 100, 1000, content.length >> 1, content.length - 1];
+  for (const size of sizes) {
+    expect(!player.open(content.subarray(0, size)), `accepted the first ${size} bytes`);
+    expect(player.message.length > 20, `no message for the first ${size} bytes`);
+  }
+  const damaged = Uint8Array.from(content);
+  damaged[damaged.length >> 1] ^= 1;
+  expect(!player.open(damaged), "accepted a flipped bit");
+  expect(player.exports.ugoki_step(1) === 0, "steps without content");
+  expect(player.open(content), player.message);
+});
+
+process.exit(failures ? 1 : 0);
