@@ -135,9 +135,9 @@ class Recorder {
 constexpr int stride_frames = 124;                                // 1.033 s: 116 steps a minute
 constexpr double stride_time = stride_frames / rate, speed = 1.35, stride = speed * stride_time;
 constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;   // foot flat, heel off, toe off (Perry 1992)
-constexpr double strike_pitch = -17 * degree, lift_pitch = 60 * degree;
+constexpr double strike_pitch = -17 * degree, lift_pitch = 57 * degree;
 constexpr double strike_speed = 1.0, strike_brake = 20;             // m/s, m/s^2: of the heel at heel strike
-constexpr double swing_lift = 0.055;                              // m
+constexpr double swing_lift = 0.085;                              // m
 constexpr double toe_bend = 1.15;                                 // turn of the toes against the pitch of the foot
 constexpr double over_ankle = 0.22;                               // when the pelvis passes over the ankle
 constexpr double half_track = 0.052;                              // m, ankles from the middle
@@ -189,7 +189,7 @@ FootPose walking_foot(double u, double heading) {
   // The heel still moves forward a little when it strikes, and brakes until then.
   foot.ankle.x = between([&](double w) { return stance_ankle(w, heading).x; }, {landing.x + stride, strike_speed * stride_time * span, -strike_brake * stride_time * span * stride_time * span});
   foot.ankle.y = between([&](double w) { return stance_ankle(w, heading).y; }, {landing.y, 0, 0});
-  foot.ankle.z = between([&](double w) { return stance_ankle(w, heading).z; }, {landing.z, 0, 0}) + swing_lift * bump(s * (1.6 - 0.6 * s));
+  foot.ankle.z = between([&](double w) { return stance_ankle(w, heading).z; }, {landing.z, 0, 0}) + swing_lift * bump(s * (2 - s));
   const double relax = smooth_step((s - 0.12) / 0.5), ready = smooth_step((s - 0.5) / 0.5);
   foot.toes = -toe_bend * lift_pitch * (1 - relax) - 10 * degree * ready;
   return foot;

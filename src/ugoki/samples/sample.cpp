@@ -5,7 +5,8 @@
 namespace ugoki::samples {
 namespace {
 
-// The ball lies on the way; at 6 s it is kicked so that after 0.6 s it meets the chest of the human, who walks at 1.35 m/s.
+// The ball lies ahead; at 2.5 s it is kicked so that half a second later, at the top of its flight, it meets the chest of the
+// human, who walks at 1.35 m/s. (At the top it does not matter much if the human is a hand's breadth early or late.)
 constexpr const char* document = R"({
   "version": 1,
   "name": "park",
@@ -23,19 +24,19 @@ constexpr const char* document = R"({
     },
     {
       "id": "dog", "name": "Dog", "mechanism": "dog", "color": "#c9a57b",
-      "place": {"x": 0.2, "y": 1.1, "z": 0, "heading": 0},
+      "place": {"x": 0.2, "y": -1.2, "z": 0, "heading": 0},
       "control": {"mode": "track", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
       "track": [{"id": "k2", "motion": "dog-trot", "start": 0, "length": 20, "offset": 0, "speed": 1, "blend": 0, "loop": true}]
     },
     {
       "id": "ball", "name": "Ball", "mechanism": "ball", "color": "#ff8a3d",
-      "place": {"x": 12.4, "y": -1.5, "z": 0.11, "heading": 0},
+      "place": {"x": 6.6, "y": 0.7, "z": 0.11, "heading": 0},
       "control": {"mode": "passive", "tracking": 1, "balance": 1, "assist_limit": 0.5, "beyond": "let_go"},
       "track": []
     }
   ],
   "events": [
-    {"id": "e1", "type": "throw", "time": 6, "character": "ball", "from": [12.4, -1.5, 0.11], "velocity": [-5.55, 2.5, 4.88], "spin": [0, -6, 0]}
+    {"id": "e1", "type": "throw", "time": 2.5, "character": "ball", "from": [6.6, 0.7, 0.11], "velocity": [-5.2, -1.1, 4.85], "spin": [0, -6, 0]}
   ],
   "camera": {"follow": "human", "distance": 5, "azimuth": 0.7, "elevation": 0.2},
   "look": {"light": 0.9, "floor": "#2a2c31"},
