@@ -324,11 +324,33 @@ class Maker {
   Body body_;
 };
 
+/// Greatest turn [rad] of any joint from frame f to the next.
+double greatest_turn(const MeasuredMotion& m, int f) {
+  const std::size_t n = m.skeleton.joints.size(), here = at(f) * n, next = here + n;
+  double turn = 0;
+  for (std::size_t i = 0; i < n; ++i) turn = std::max(turn, norm(log_map(m.rotations[here + i].conjugate() * m.rotations[next + i])));
+  return turn;
+}
+
 }  // namespace
+
+bool has_calibration_frame(const MeasuredMotion& m) {
+  if (m.frames < 4) return false;
+  const double later = std::max(greatest_turn(m, 1), greatest_turn(m, 2));
+  return greatest_turn(m, 0) > 20 * degree && greatest_turn(m, 0) > 5 * later;
+}
 
 Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options) {
   if (Error errors = check_input(motion); !errors.empty()) return fail(std::move(errors));
-  return Maker(motion, options).run();
+  if (!has_calibration_frame(motion)) return Maker(motion, options).run();
+  MeasuredMotion rest = motion;
+  const auto joints = static_cast<std::ptrdiff_t>(motion.skeleton.joints.size());
+  --rest.frames;
+  rest.translations.erase(rest.translations.begin(), rest.translations.begin() + joints);
+  rest.rotations.erase(rest.rotations.begin(), rest.rotations.begin() + joints);
+  Result<Body> body = Maker(rest, options).run();
+  if (body) body->report.push_back("The first frame is a calibration pose, from which the motion jumps; it is replaced by what leads into the second frame.");
+  return body;
 }
 
 Pose calc_floor_pose(const Body& body, const MeasuredMotion& motion) {
@@ -385,6 +407,12 @@ Motion to_motion(const Body& body, const MeasuredMotion& m) {
       made[i] = base * (link.joint.X_PJ * joint_pose(link.joint, own));
     }
   }
+  if (has_calibration_frame(m)) {
+    std::vector<double> back(at(mech.nv()));
+    const auto frame = [&](int f) { return std::span<double>(out.frame(f), at(out.nq)); };
+    difference(mech, frame(2), frame(1), back);
+    integrate(mech, frame(1), back, 1.0, frame(0));
+  }
   label_contacts(mech, out);
   return out;
 }
@@ -393,7 +421,7 @@ double calc_position_error(const Body& body, const MeasuredMotion& measured, con
   const Pose X_WM = calc_floor_pose(body, measured);
   std::vector<Pose> want, made(at(body.mechanism->link_count()));
   double worst = 0;
-  for (int f = 0; f < measured.frames; ++f) {
+  for (int f = has_calibration_frame(measured) ? 1 : 0; f < measured.frames; ++f) {
     measured.calc_joint_poses(f, want);
     calc_poses(*body.mechanism, std::span(motion.frame(f), at(motion.nq)), made);
     for (std::size_t i = 0; i < want.size(); ++i) worst = std::max(worst, norm(X_WM * want[i].p - made[at(body.link_of_joint[i])].p));

@@ -50,8 +50,13 @@ struct Body {
 /// Fails when the skeleton has no joints, no extent, or numbers that are not finite.
 [[nodiscard]] Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options = {});
 
+/// True if the first frame is a pose for calibration (a T, as many converters put before the motion): a joint turns by more
+/// than 20 degrees to the second frame, and five times more than in the next ones.
+[[nodiscard]] bool has_calibration_frame(const MeasuredMotion& motion);
+
 /// The measured motion in the coordinates of the body's mechanism, moved by calc_floor_pose so that the floor is z = 0.
-/// Every joint's position is that of the measured motion to 1e-6 m for the motion the body was made of; for others see
+/// A calibration pose is replaced by what
+/// leads into the second frame. Every joint's position is that of the measured motion to 1e-6 m for the motion the body was made of; for others see
 /// calc_position_error. The skeleton's joints must be those of the body. Ground contacts are labelled.
 [[nodiscard]] Motion to_motion(const Body& body, const MeasuredMotion& motion);
 

@@ -164,11 +164,14 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
         if (!(room < 0.2)) continue;
         double direction[6] = {0, 0, 0, 0, 0, 0};
         if (link.joint.type == JointType::spherical) {
-          // rate of the rotation vector's component k: row k of 1 + [r]/2 + [r]^2/12
+          // rate of the rotation vector's component k: row k of 1 + [r]/2 + c [r]^2, the inverse of the exponential's differential
           const auto first = static_cast<std::size_t>(link.v_index);
           const Vec3 r{x.displacement[first], x.displacement[first + 1], x.displacement[first + 2]};
           const Vec3 e{k == 0 ? sign : 0.0, k == 1 ? sign : 0.0, k == 2 ? sign : 0.0};
-          const Vec3 row = e + cross(e, r) * 0.5 + cross(r, cross(r, e)) * (1.0 / 12.0);
+          const double angle2 = dot(r, r), half = 0.5 * std::sqrt(angle2);
+          const SinCos sc = sin_cos(half);
+          const double c = angle2 > 1e-6 ? (1 - half * sc.cos / sc.sin) / angle2 : 1.0 / 12.0;
+          const Vec3 row = e + cross(e, r) * 0.5 + cross(r, cross(r, e)) * c;
           direction[0] = row.x;
           direction[1] = row.y;
           direction[2] = row.z;

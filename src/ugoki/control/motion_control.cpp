@@ -65,6 +65,7 @@ void MotionControl::find_supports(const ControlInput& in) {
     const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);
     const double height = dot(c.n, p_ref - c.p);
     if (height > options_.planted_height || dot(c.n, v_ref) > options_.planted_speed) continue;
+    if (norm(v_ref - c.n * dot(c.n, v_ref)) > options_.sliding_speed) continue;
     supports_.push_back({c.p, c.n, 0.7 * c.friction});  // a reserve inside the true cone
     support_links_.push_back(c.link_a);
     apart_.push_back(c.p - p_ref);

@@ -27,9 +27,10 @@ struct ControlOptions {
   double joint_hold = 0.2;      ///< s/rad: servo gain of a joint that bears load, times its strength^2 / (weight * lever)
   double assist_limit = 0.5;    ///< body weights: cap of the root assist (moments count at the lever of the root's height)
   double patience = 0.1;        ///< s: time constant with which the wanted assist is averaged before the figure lets go
-  double contact_margin = 0.004;  ///< m: contacts nearer than this can bear load
+  double contact_margin = 0.005;  ///< m: contacts nearer than this can bear load
   double planted_height = 0.04; ///< m above the present contact: a reference point higher than this is not planted
   double planted_speed = 0.25;  ///< m/s upwards: a reference point faster than this is not planted
+  double sliding_speed = 0.8;   ///< m/s along the floor: a reference point faster than this is not planted
   double shift_time = 0.12;     ///< s: how fast the path follows feet that have landed elsewhere than the reference's
   double return_time = 2;       ///< s: how fast it comes back to the reference's path
   Vec3 gravity{0, 0, -9.81};

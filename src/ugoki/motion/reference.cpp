@@ -9,25 +9,19 @@
 namespace ugoki {
 namespace {
 
-/// Lowest point of the link's colliding shapes, in the world.
-Vec3 lowest_point(const Link& link, const Pose& X_WB) {
-  Vec3 lowest{0, 0, 1e300};
-  const auto consider = [&](const Vec3& p) {
-    if (p.z < lowest.z) lowest = p;
-  };
-  for (const Shape& s : link.shapes) {
-    if (!s.collides) continue;
-    const Pose X = X_WB * s.X_BS;
-    if (s.type == ShapeType::box) {
-      const Vec3 h = s.half_extents;
-      consider(X * Vec3{X.R.zx > 0 ? -h.x : h.x, X.R.zy > 0 ? -h.y : h.y, X.R.zz > 0 ? -h.z : h.z});
-    } else {
-      const double end = s.type == ShapeType::capsule ? (X.R.zz > 0 ? -s.half_length : s.half_length) : 0.0;
-      consider(X * Vec3{0, 0, end} - Vec3{0, 0, s.radius});
-    }
-  }
-  return lowest;
+/// The surface under a foot: its support points that lie lowest in the neutral position, within a centimetre.
+std::vector<SupportPoint> sole_of(const Link& link, const Pose& X_WB) {
+  std::vector<SupportPoint> points = support_points(link);
+  double low = 1e300;
+  for (const SupportPoint& s : points) low = std::min(low, (X_WB * s.p).z - s.radius);
+  std::erase_if(points, [&](const SupportPoint& s) { return (X_WB * s.p).z - s.radius > low + 0.01; });
+  return points;
 }
+
+struct Sole {
+  int link;
+  std::vector<SupportPoint> points;
+};
 
 }  // namespace
 
@@ -35,22 +29,30 @@ Motion with_soles_above(const Motion& motion, const Mechanism& m, double floor) 
   constexpr double reached = 2e-4;       // m
   constexpr double greatest_turn = 0.1;  // rad in one iteration
   Motion out = motion;
-  std::vector<int> soles;  // parents first
-  for (const int link : find_feet(m))
-    if (link > 0 && m.link(link).joint.nv() > 0) soles.push_back(link);
   std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  calc_poses(m, m.neutral(), X);
+  std::vector<Sole> soles;  // parents first
+  for (const int link : find_feet(m))
+    if (link > 0 && m.link(link).joint.nv() > 0) soles.push_back({link, sole_of(m.link(link), X[static_cast<std::size_t>(link)])});
   for (int f = 0; f < motion.frames && !soles.empty(); ++f) {
     double* q = out.frame(f);
     calc_poses(m, std::span<const double>(q, static_cast<std::size_t>(m.nq())), X);
-    for (const int i : soles) {
+    for (const Sole& sole : soles) {
+      const int i = sole.link;
       const Link& link = m.link(i);
       double* qj = q + link.q_index;
       Pose& X_WB = X[static_cast<std::size_t>(i)];
       const Pose X_WJ = X[static_cast<std::size_t>(link.parent)] * link.joint.X_PJ;
       X_WB = X_WJ * joint_pose(link.joint, qj);
       for (int iteration = 0; iteration < 12; ++iteration) {
-        const Vec3 p = lowest_point(link, X_WB);
-        const double depth = floor - p.z;
+        Vec3 p{0, 0, 1e300};
+        double highest = -1e300;
+        for (const SupportPoint& s : sole.points) {
+          const Vec3 at = X_WB * s.p - Vec3{0, 0, s.radius};
+          if (at.z < p.z) p = at;
+          highest = std::max(highest, at.z);
+        }
+        const double depth = std::min(floor, highest) - p.z;  // a sole that is deep but level stays level
         if (depth < reached) break;
         Vec6 S[6];
         double lift[6], size = 0;
@@ -72,7 +74,12 @@ Motion with_soles_above(const Motion& motion, const Mechanism& m, double floor) 
 }
 
 SmoothMotion make_reference(const Motion& motion, const Mechanism& mechanism, double floor) {
-  return SmoothMotion(with_soles_above(motion, mechanism, floor), mechanism, 6.0);
+  std::vector<double> cutoffs;
+  for (const Link& link : mechanism.links()) {
+    const bool light = link.label.starts_with("hand") || link.label.starts_with("fingers") || link.label.starts_with("thumb");
+    cutoffs.push_back(light ? 15.0 : 6.0);
+  }
+  return SmoothMotion(with_soles_above(motion, mechanism, floor), mechanism, cutoffs);
 }
 
 }  // namespace ugoki

@@ -41,6 +41,9 @@ int quat_of(const Joint& joint) { return joint.type == JointType::spherical ? 0 
 }  // namespace
 
 SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, double cutoff)
+    : SmoothMotion(motion, m, std::vector<double>(static_cast<std::size_t>(m.link_count()), cutoff)) {}
+
+SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<const double> cutoffs)
     : rate_(motion.rate), frames_(motion.frames), nq_(static_cast<std::size_t>(m.nq())), nv_(static_cast<std::size_t>(m.nv())), q_(motion.q) {
   const auto n = static_cast<std::size_t>(frames_);
   // A quaternion and its negative are the same turn; the filter needs the nearer one.
@@ -54,10 +57,14 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, double cuto
         for (int k = 0; k < 4; ++k) r[k] = -r[k];
     }
   }
-  if (cutoff > 0 && cutoff < rate_ / 3 && frames_ > 3) {
+  for (std::size_t l = 0; l < cutoffs.size(); ++l) {
+    const double cutoff = cutoffs[l];
+    if (!(cutoff > 0 && cutoff < rate_ / 3) || frames_ < 4) continue;
+    const Link& link = m.links()[l];
     const std::size_t pad = std::min(n - 1, static_cast<std::size_t>(2 * rate_ / cutoff) + 1);
     std::vector<double> row(n + 2 * pad);
-    for (std::size_t c = 0; c < nq_; ++c) {
+    for (int k = 0; k < link.joint.nq(); ++k) {
+      const auto c = static_cast<std::size_t>(link.q_index + k);
       const double first = q_[c], last = q_[(n - 1) * nq_ + c];
       for (std::size_t i = 0; i < row.size(); ++i) {
         if (i < pad) row[i] = motion.cyclic ? q_[(n - 1 - (pad - i)) * nq_ + c] - (last - first) : 2 * first - q_[(pad - i) * nq_ + c];
@@ -67,9 +74,8 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, double cuto
       filter_both_ways(row, rate_, cutoff);
       for (std::size_t f = 0; f < n; ++f) q_[f * nq_ + c] = row[f + pad];
     }
-    for (const Link& link : m.links())
-      if (const int at = quat_of(link.joint); at >= 0)
-        for (std::size_t f = 0; f < n; ++f) normalize_quat(q_.data() + f * nq_ + static_cast<std::size_t>(link.q_index + at));
+    if (const int at = quat_of(link.joint); at >= 0)
+      for (std::size_t f = 0; f < n; ++f) normalize_quat(q_.data() + f * nq_ + static_cast<std::size_t>(link.q_index + at));
   }
 
   v_.assign(n * nv_, 0.0);

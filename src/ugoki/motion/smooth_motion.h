@@ -17,6 +17,8 @@ class SmoothMotion {
   /// padded with the rounds before and after.
   /// @param cutoff Hz; 0 or above a third of the rate: no filter
   SmoothMotion(const Motion& motion, const Mechanism& mechanism, double cutoff);
+  /// The same with a cut-off for each link's joint. @param cutoffs [links] Hz
+  SmoothMotion(const Motion& motion, const Mechanism& mechanism, std::span<const double> cutoffs);
 
   [[nodiscard]] double duration() const { return frames_ > 1 ? (frames_ - 1) / rate_ : 0; }
   [[nodiscard]] int frames() const { return frames_; }
