@@ -1,3 +1,7 @@
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
 #include "circuit_test.h"
 
 namespace ugoki::circuit {
@@ -87,6 +91,20 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{R"({"version": 1, "outputs": [{"name": "x", "type": "scalar", "from": ["a.b", "a.c"]}]})", "circuit/outputs/0/from"},
                     Bad{R"({"version": 1, "outputs": [{"name": "x.y", "type": "scalar", "from": "a.b"}]})", "circuit/outputs/0/name"},
                     Bad{R"({"version": 1, "circuits": [{"lsis": []}]})", "circuit/circuits/0"}));
+
+TEST(CircuitJson, TheExampleInTheDocumentationIsACircuit) {
+  std::ifstream file(UGOKI_SOURCE_DIR "/docs/circuit.md");
+  std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const auto begin = text.find("```json\n") + 8;
+  const auto end = text.find("```", begin);
+  ASSERT_NE(end, std::string::npos);
+  auto i = build(text.substr(begin, end - begin));
+  ASSERT_TRUE(i) << i.error().text();
+  const double step = 3;
+  std::memcpy(i->find_circuit_input("step").data(), &step, sizeof step);
+  for (int k = 0; k < 5; ++k) ASSERT_TRUE(i->tick());
+  EXPECT_EQ(i->find_circuit_output("count")->numbers()[0], 10);
+}
 
 TEST(CircuitJson, RefusesDeepNesting) {
   std::string text = R"({"version": 1)";

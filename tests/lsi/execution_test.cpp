@@ -177,7 +177,7 @@ TEST(Track, BlendsFromOneClipToTheNextSmoothly) {
   second.clip.offset = 0.37;
   second.clip.blend = 0.4;
   second.clip.place.x = 0.5;
-  const TrackSampler track(m, {first, second}, {}, 0);
+  const TrackSampler track(m, {first, second}, {}, false);
   const std::size_t n = track.layout().size(), nq = track.layout().nq, nv = track.layout().nv;
   std::vector<double> before(n), now(n), after(n), slope(nv);
   const double h = 1e-5;

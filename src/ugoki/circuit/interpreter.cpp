@@ -15,11 +15,17 @@ struct SavedHeader {
   std::uint64_t magic, layout, ticks, arena_words, parameters;
 };
 
-/// All finite, in one pass without branches: 0 * x is 0 for a finite x only.
+/// All finite, without a branch for each: x - x is 0 for a finite x only.
 inline bool all_finite(const double* x, std::uint32_t count) {
-  double sum = 0;
-  for (std::uint32_t i = 0; i < count; ++i) sum += 0.0 * x[i];
-  return sum == 0;
+  if (count == 1) return *x - *x == 0;
+  double even = 0, odd = 0;
+  std::uint32_t i = 0;
+  for (; i + 1 < count; i += 2) {
+    even += x[i] - x[i];
+    odd += x[i + 1] - x[i + 1];
+  }
+  if (i < count) even += x[i] - x[i];
+  return even + odd == 0;
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ constexpr PinType types[] = {
     {PinTypeId::joint_values, "joint values", "#fcd34d", 0, 8, 0, true, "One number for each coordinate or freedom of a mechanism."},
     {PinTypeId::state, "state", "#fda4af", 0, 8, 0, true, "Positions and velocities of every mechanism of the world."},
     {PinTypeId::contacts, "contacts", "#fdba74", 8, 128, 0, false, "Points at which links touch each other or the ground, with forces."},
-    {PinTypeId::motion, "motion", "#c4b5fd", 0, 8, 0, true, "Coordinates of a mechanism at several moments about now."},
+    {PinTypeId::motion, "motion", "#c4b5fd", 0, 8, 0, true, "What a mechanism shall do: positions, velocities, accelerations, stance."},
     {PinTypeId::event, "event", "#f87171", 8, 128, 32, false, "What happens at this moment: pushes, grabs, throws."},
 };
 

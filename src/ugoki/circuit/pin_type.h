@@ -21,7 +21,7 @@ enum class PinTypeId : std::uint16_t {
   joint_values = 5,  ///< f64 for each coordinate or freedom of one mechanism
   state = 6,         ///< f64 q and v of every mechanism of the world
   contacts = 7,      ///< u64 number of records in use, then records of 128 bytes
-  motion = 8,        ///< f64 coordinates of one mechanism at several moments
+  motion = 8,        ///< f64 a reference: q, v, a and more of one mechanism
   event = 9,         ///< u64 number of records in use, then records of 128 bytes
 };
 

@@ -39,7 +39,13 @@ void add_retrieval(circuit::Library& library) {
   c.outputs = {output_pin("current", PinTypeId::motion, "", "Reference that the clip of this moment gives: q, v, a, stance."),
                output_pin("previous", PinTypeId::motion, "", "The same of the clip before, while it is blended over."),
                output_pin("blend", PinTypeId::vector, "1, 1/s, 1/s^2", "Weight of the current clip, its rate and its acceleration.")};
-  c.parameters = {character_parameter(), number_parameter("cutoff", World::default_cutoff, 0, 60, "Hz", "Cut-off frequency of the filter on measured motions; 0: none.")};
+  circuit::Parameter smooth;
+  smooth.name = "smooth";
+  smooth.kind = circuit::ParameterKind::boolean;
+  smooth.initial = true;
+  smooth.doc = "Measured motions are filtered and their soles kept above the floor; false: played as they are.";
+  smooth.live = false;
+  c.parameters = {character_parameter(), smooth};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;
@@ -51,9 +57,9 @@ void add_retrieval(circuit::Library& library) {
   };
   c.make = [](Setup& s) -> void* {
     const Character& character = *character_of(s);
-    const double cutoff = s.number("cutoff");
-    if (cutoff == character.track->cutoff()) return new Retrieval{character.track};
-    return new Retrieval{std::make_shared<const TrackSampler>(character.mechanism, character.track->clips(), character.feet, cutoff)};
+    const bool wanted = s.boolean("smooth");
+    if (wanted == character.track->smooth()) return new Retrieval{character.track};
+    return new Retrieval{std::make_shared<const TrackSampler>(character.mechanism, character.track->clips(), character.feet, wanted)};
   };
   c.destroy = destroy<Retrieval>;
   c.step = step;

@@ -33,8 +33,8 @@ std::vector<std::uint8_t> stance_of(const Mechanism& mechanism, const Motion& mo
 
 ReferenceLayout reference_layout(const Mechanism& m, std::size_t feet) { return {static_cast<std::size_t>(m.nq()), static_cast<std::size_t>(m.nv()), feet}; }
 
-TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, double cutoff)
-    : mechanism_(std::move(mechanism)), track_(std::move(track)), layout_(reference_layout(*mechanism_, feet.size())), cutoff_(cutoff) {
+TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, bool smooth)
+    : mechanism_(std::move(mechanism)), track_(std::move(track)), layout_(reference_layout(*mechanism_, feet.size())), smooth_(smooth) {
   UGOKI_CHECK(!track_.empty());
   std::vector<const Motion*> known;
   for (std::size_t i = 0; i < track_.size(); ++i) {
@@ -43,7 +43,7 @@ TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track,
     motion_of_.push_back(static_cast<std::size_t>(found - known.begin()));
     if (found == known.end()) {
       known.push_back(&motion);
-      motions_.emplace_back(with_soles_above(motion, *mechanism_, 0), *mechanism_, cutoff);
+      motions_.push_back(smooth ? make_reference(motion, *mechanism_, 0) : SmoothMotion(motion, *mechanism_, 0));
       stance_.push_back(stance_of(*mechanism_, motion, feet));
     }
     Clip playing = track_[i].clip;

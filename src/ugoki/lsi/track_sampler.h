@@ -33,8 +33,9 @@ struct TrackMoment {
 
 class TrackSampler {
  public:
-  /// @param track not empty, by start  @param cutoff Hz, see SmoothMotion
-  TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, double cutoff);
+  /// @param track not empty, by start
+  /// @param smooth motions are made references as make_reference does; false: played as they are
+  TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, bool smooth);
 
   [[nodiscard]] const ReferenceLayout& layout() const { return layout_; }
   [[nodiscard]] TrackMoment moment(double t) const;
@@ -42,7 +43,7 @@ class TrackSampler {
   void sample_clip(int clip, double t, std::span<double> reference) const;
   /// The whole track's reference. Allocates; a circuit does the same with its own memory.
   void sample(double t, std::span<double> reference) const;
-  [[nodiscard]] double cutoff() const { return cutoff_; }
+  [[nodiscard]] bool smooth() const { return smooth_; }
   [[nodiscard]] const std::vector<TrackClip>& clips() const { return track_; }
 
  private:
@@ -53,7 +54,7 @@ class TrackSampler {
   std::vector<std::size_t> motion_of_;   // [clips]
   std::vector<std::vector<std::uint8_t>> stance_;  // [motions][frame * feet]
   ReferenceLayout layout_;
-  double cutoff_;
+  bool smooth_;
 };
 
 /// Blends two references: positions along great arcs, velocities and accelerations as that motion has them.

@@ -8,8 +8,8 @@
 
 namespace ugoki::lsi {
 
-World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity, const collision::Ground& ground, double cutoff)
-    : events_(std::move(events)), gravity_(gravity), ground_(ground), cutoff_(cutoff) {
+World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity, const collision::Ground& ground)
+    : events_(std::move(events)), gravity_(gravity), ground_(ground) {
   std::size_t shapes = 0;
   for (CharacterSpec& spec : characters) {
     UGOKI_CHECK(spec.mechanism && spec.mechanism->link_count() > 0);
@@ -29,7 +29,7 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
     link_count_ += static_cast<std::size_t>(m.link_count());
     for (const Link& link : m.links()) shapes += link.shapes.size();
     if (!spec.track.empty()) {
-      c.track = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.track), c.feet, cutoff);
+      c.track = std::make_shared<const TrackSampler>(c.mechanism, std::move(spec.track), c.feet, true);
       std::vector<double> reference(c.track->layout().size());
       c.track->sample(0, reference);
       const ReferenceLayout& at = c.track->layout();

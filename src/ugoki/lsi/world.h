@@ -54,10 +54,7 @@ class World final : public circuit::Resources {
  public:
   static constexpr const char* resource_kind = "world";
 
-  /// @param cutoff Hz, of the filter that makes measured motions smooth references
-  World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity, const collision::Ground& ground, double cutoff = default_cutoff);
-
-  static constexpr double default_cutoff = 6;
+  World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity, const collision::Ground& ground);
 
   [[nodiscard]] const void* find(std::string_view kind, std::string_view name) const override;
 
@@ -65,7 +62,6 @@ class World final : public circuit::Resources {
   [[nodiscard]] std::span<const ScheduledEvent> events() const { return events_; }
   [[nodiscard]] const Vec3& gravity() const { return gravity_; }
   [[nodiscard]] const collision::Ground& ground() const { return ground_; }
-  [[nodiscard]] double cutoff() const { return cutoff_; }
   [[nodiscard]] std::vector<MechanismPtr> mechanisms() const;
   [[nodiscard]] std::size_t state_size() const { return state_size_; }  ///< numbers of all q and v
   [[nodiscard]] std::size_t link_count() const { return link_count_; }  ///< of all characters
@@ -81,7 +77,6 @@ class World final : public circuit::Resources {
   std::vector<ScheduledEvent> events_;
   Vec3 gravity_;
   collision::Ground ground_;
-  double cutoff_;
   std::size_t state_size_ = 0, link_count_ = 0;
   std::uint32_t contact_capacity_ = 64;
 };

@@ -1,0 +1,101 @@
+// The player's exports. One content at a time; numbers only, so that a page needs no glue beyond a few lines.
+//
+//   ugoki_allocate(size) -> address, ugoki_release(address)   memory for the bytes to open and for states
+//   ugoki_open(address, size) -> 1 opened, 0 refused          then ugoki_message() tells why
+//   ugoki_step(n) -> steps done                               fewer than n: it stopped, ugoki_message() tells why
+//   ugoki_time(), ugoki_step_size(), ugoki_duration(), ugoki_frame_rate()
+//   ugoki_hash_low(), ugoki_hash_high()                       state hash
+//   ugoki_frame(number, flags) -> address, ugoki_frame_size() a frame as in docs/studio-protocol.md
+//   ugoki_push, ugoki_grab, ugoki_drag, ugoki_let_go          inputs, indices as in the frame
+//   ugoki_reset()
+//   ugoki_message() -> address, ugoki_message_size()          UTF-8
+
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ugoki/content/player.h"
+
+#define UGOKI_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
+
+namespace {
+
+struct Session {
+  std::optional<ugoki::content::Player> player;
+  ugoki::content::DisplayFrame frame;
+  std::vector<std::byte> bytes;
+  std::string message;
+};
+
+Session& session() {
+  static Session* one = new Session;  // lives as long as the module
+  return *one;
+}
+
+}  // namespace
+
+UGOKI_EXPORT(ugoki_allocate) void* ugoki_allocate(std::uint32_t size) { return std::malloc(size); }
+UGOKI_EXPORT(ugoki_release) void ugoki_release(void* address) { std::free(address); }
+
+UGOKI_EXPORT(ugoki_open) std::int32_t ugoki_open(const std::byte* bytes, std::uint32_t size) {
+  Session& s = session();
+  s.player.reset();
+  s.message.clear();
+  auto player = ugoki::content::Player::open({bytes, size});
+  if (!player) {
+    s.message = player.error().text();
+    return 0;
+  }
+  s.player.emplace(std::move(*player));
+  return 1;
+}
+
+UGOKI_EXPORT(ugoki_step) std::uint32_t ugoki_step(std::uint32_t count) {
+  Session& s = session();
+  if (!s.player) return 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (const auto done = s.player->step(); !done) {
+      s.message = done.error().text();
+      return i;
+    }
+  }
+  return count;
+}
+
+UGOKI_EXPORT(ugoki_reset) void ugoki_reset() {
+  if (session().player) session().player->reset();
+}
+UGOKI_EXPORT(ugoki_time) double ugoki_time() { return session().player ? session().player->time() : 0; }
+UGOKI_EXPORT(ugoki_step_size) double ugoki_step_size() { return session().player ? session().player->step_size() : 0; }
+UGOKI_EXPORT(ugoki_duration) double ugoki_duration() { return session().player ? session().player->content().duration : 0; }
+UGOKI_EXPORT(ugoki_frame_rate) double ugoki_frame_rate() { return session().player ? session().player->content().frame_rate : 0; }
+
+UGOKI_EXPORT(ugoki_hash_low) std::uint32_t ugoki_hash_low() { return session().player ? static_cast<std::uint32_t>(session().player->state_hash()) : 0; }
+UGOKI_EXPORT(ugoki_hash_high) std::uint32_t ugoki_hash_high() { return session().player ? static_cast<std::uint32_t>(session().player->state_hash() >> 32) : 0; }
+
+UGOKI_EXPORT(ugoki_frame) const std::byte* ugoki_frame(std::uint32_t number, std::uint32_t flags) {
+  Session& s = session();
+  if (!s.player) return nullptr;
+  s.player->display_frame(s.frame);
+  ugoki::content::encode_frame(s.frame, number, flags, s.bytes);
+  return s.bytes.data();
+}
+UGOKI_EXPORT(ugoki_frame_size) std::uint32_t ugoki_frame_size() { return static_cast<std::uint32_t>(session().bytes.size()); }
+
+UGOKI_EXPORT(ugoki_push) void ugoki_push(std::int32_t character, std::int32_t link, double x, double y, double z, double duration) {
+  if (session().player) session().player->push(character, link, {x, y, z}, duration);
+}
+UGOKI_EXPORT(ugoki_grab) void ugoki_grab(std::int32_t character, std::int32_t link, double px, double py, double pz, double tx, double ty, double tz) {
+  if (session().player) session().player->grab(character, link, {px, py, pz}, {tx, ty, tz});
+}
+UGOKI_EXPORT(ugoki_drag) void ugoki_drag(double x, double y, double z) {
+  if (session().player) session().player->drag({x, y, z});
+}
+UGOKI_EXPORT(ugoki_let_go) void ugoki_let_go() {
+  if (session().player) session().player->release();
+}
+
+UGOKI_EXPORT(ugoki_message) const char* ugoki_message() { return session().message.data(); }
+UGOKI_EXPORT(ugoki_message_size) std::uint32_t ugoki_message_size() { return static_cast<std::uint32_t>(session().message.size()); }
