@@ -37,7 +37,8 @@ Result<double> write_back(const MeasuredMotion& measured, const std::string& pat
   for (int frame = 0; std::isfinite(worst) && frame < measured.frames; ++frame) {
     measured.calc_joint_poses(frame, before);
     again->calc_joint_poses(frame, after);
-    for (std::size_t j = 0; j < before.size(); ++j) worst = std::max(worst, norm(before[j].p - after[j].p));
+    for (std::size_t j = 0; j < before.size(); ++j)
+      if (const double off = norm(before[j].p - after[j].p); !(off <= worst)) worst = off;
   }
   return worst;
 }

@@ -132,6 +132,7 @@ int run_run(const Options& options) {
     Json json = {{"clip", content->name}, {"frames", content->frames}, {"duration_s", report->duration}, {"steps", report->steps}, {"steps_per_s", report->steps_per_second()}};
     json.update(measures_json(worst));
     json["realtime_factor"] = report->realtime_factor();
+    json["realtime_factor_cpu"] = report->processor_realtime_factor();
     json["mass"] = mass;
     json["height"] = content->height > 0 ? Json(content->height) : Json(nullptr);
     json["state_hash"] = hash;

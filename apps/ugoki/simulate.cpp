@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "output.h"
 #include "ugoki/files/files.h"
@@ -28,6 +29,17 @@ content::PlayerMeasures RunReport::worst() const {
   }
   return w;
 }
+
+namespace {
+
+/// s of processor time that this thread has used.
+double processor_time() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+}  // namespace
 
 Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options) {
   using Clock = std::chrono::steady_clock;
@@ -56,9 +68,11 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
     std::uint64_t until = std::min(steps, done + chunk);
     if (!options.frames.empty()) until = std::clamp(static_cast<std::uint64_t>(std::llround(frame_number * frame_time / report.step)), done + 1, steps);
     const auto began = Clock::now();
+    const double processor_began = processor_time();
     for (; done < until; ++done)
       if (Result<void> good = player->step(); !good) return fail(std::move(good.error()));
     report.wall += std::chrono::duration<double>(Clock::now() - began).count();
+    report.processor += processor_time() - processor_began;
     if (!options.frames.empty() && static_cast<double>(done) * report.step >= frame_number * frame_time - 0.5 * report.step) record();
     if (interrupted()) return fail(interrupted_error());
     progress.show(static_cast<double>(done) / static_cast<double>(steps));

@@ -24,6 +24,7 @@ struct RunReport {
   std::uint64_t steps = 0;
   double step = 0;           ///< s
   double wall = 0;           ///< s spent in steps alone
+  double processor = 0;      ///< s of processor time in steps alone: less than `wall` on a busy machine
   std::uint64_t state_hash = 0;
   std::vector<CharacterReport> characters;
 
@@ -31,6 +32,7 @@ struct RunReport {
   [[nodiscard]] content::PlayerMeasures worst() const;
   [[nodiscard]] double steps_per_second() const { return wall > 0 ? static_cast<double>(steps) / wall : 0; }
   [[nodiscard]] double realtime_factor() const { return wall > 0 ? duration / wall : 0; }
+  [[nodiscard]] double processor_realtime_factor() const { return processor > 0 ? duration / processor : 0; }
 };
 
 struct RunOptions {
