@@ -72,8 +72,12 @@ UGOKI_EXPORT(ugoki_step_size) double ugoki_step_size() { return session().player
 UGOKI_EXPORT(ugoki_duration) double ugoki_duration() { return session().player ? session().player->content().duration : 0; }
 UGOKI_EXPORT(ugoki_frame_rate) double ugoki_frame_rate() { return session().player ? session().player->content().frame_rate : 0; }
 
-UGOKI_EXPORT(ugoki_hash_low) std::uint32_t ugoki_hash_low() { return session().player ? static_cast<std::uint32_t>(session().player->state_hash()) : 0; }
-UGOKI_EXPORT(ugoki_hash_high) std::uint32_t ugoki_hash_high() { return session().player ? static_cast<std::uint32_t>(session().player->state_hash() >> 32) : 0; }
+UGOKI_EXPORT(ugoki_hash_low) std::uint32_t ugoki_hash_low() {
+  return session().player ? static_cast<std::uint32_t>(session().player->state_hash()) : 0;
+}
+UGOKI_EXPORT(ugoki_hash_high) std::uint32_t ugoki_hash_high() {
+  return session().player ? static_cast<std::uint32_t>(session().player->state_hash() >> 32) : 0;
+}
 
 UGOKI_EXPORT(ugoki_frame) const std::byte* ugoki_frame(std::uint32_t number, std::uint32_t flags) {
   Session& s = session();
@@ -87,7 +91,8 @@ UGOKI_EXPORT(ugoki_frame_size) std::uint32_t ugoki_frame_size() { return static_
 UGOKI_EXPORT(ugoki_push) void ugoki_push(std::int32_t character, std::int32_t link, double x, double y, double z, double duration) {
   if (session().player) session().player->push(character, link, {x, y, z}, duration);
 }
-UGOKI_EXPORT(ugoki_grab) void ugoki_grab(std::int32_t character, std::int32_t link, double px, double py, double pz, double tx, double ty, double tz) {
+UGOKI_EXPORT(ugoki_grab)
+void ugoki_grab(std::int32_t character, std::int32_t link, double px, double py, double pz, double tx, double ty, double tz) {
   if (session().player) session().player->grab(character, link, {px, py, pz}, {tx, ty, tz});
 }
 UGOKI_EXPORT(ugoki_drag) void ugoki_drag(double x, double y, double z) {

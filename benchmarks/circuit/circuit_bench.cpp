@@ -43,7 +43,8 @@ void run_chain(benchmark::State& state, bool check, Interpreter::Clock clock) {
   for (auto _ : state) benchmark::DoNotOptimize(interpreter->tick());
   const auto last = interpreter->find_output("a" + std::to_string(1000000 + n - 1) + ".out");
   if (!last || last->numbers()[0] != n + 1) state.SkipWithError("the result is wrong");
-  state.counters["ns_per_lsi"] = benchmark::Counter(static_cast<double>(n), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["ns_per_lsi"] =
+      benchmark::Counter(static_cast<double>(n), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 void circuit_plain(benchmark::State& state) { run_chain(state, false, nullptr); }
@@ -52,7 +53,8 @@ void circuit_timed(benchmark::State& state) {
 #if defined(__x86_64__)
   run_chain(state, true, []() -> std::uint64_t { return __builtin_ia32_rdtsc(); });
 #else
-  run_chain(state, true, []() -> std::uint64_t { return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()); });
+  run_chain(state, true,
+            []() -> std::uint64_t { return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()); });
 #endif
 }
 
@@ -82,7 +84,8 @@ void virtual_calls(benchmark::State& state) {
     benchmark::ClobberMemory();
   }
   if (*from != n + 1) state.SkipWithError("the result is wrong");
-  state.counters["ns_per_lsi"] = benchmark::Counter(static_cast<double>(n), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["ns_per_lsi"] =
+      benchmark::Counter(static_cast<double>(n), benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
 BENCHMARK(circuit_plain)->Arg(1)->Arg(100)->Arg(1000)->Arg(10000);

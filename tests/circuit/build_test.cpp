@@ -24,13 +24,15 @@ TEST(Build, ReportsAllProblemsWithNames) {
              {"id": "gone", "type": "magic"}, {"id": "a", "type": "clock"}],
     "wires": [{"from": "v.out", "to": "a.a"}, {"from": "g.out", "to": "a.b"}, {"from": "g.out", "to": "a.b"}, {"from": "a.sum", "to": "g.in"},
               {"from": "nobody.out", "to": "g.in"}, {"from": "gone.out", "to": "g.in"}]})",
-                 {"'v.out' (vector) does not fit 'a.a' (scalar)", "Two wires end at 'a.b': from 'g.out' and from 'g.out'", "'a' has no output 'sum'",
-                  "There is no LSI 'nobody'", "'magic' (used as 'gone') is missing", "Two LSIs have the id 'a'", "Nothing is wired to 'g.in'", "'g' has no parameter 'gian'", "circuit/wires/3/from"});
+                 {"'v.out' (vector) does not fit 'a.a' (scalar)", "Two wires end at 'a.b': from 'g.out' and from 'g.out'",
+                  "'a' has no output 'sum'", "There is no LSI 'nobody'", "'magic' (used as 'gone') is missing", "Two LSIs have the id 'a'",
+                  "Nothing is wired to 'g.in'", "'g' has no parameter 'gian'", "circuit/wires/3/from"});
 }
 
 TEST(Build, ChecksParametersAndValues) {
   const auto with = [](const char* lsi) { return std::string(R"({"version": 1, "name": "p", "lsis": [)") + lsi + "]}"; };
-  expect_refused(with(R"({"id": "g", "type": "gain", "parameters": {"gain": "much"}, "values": {"in": 1}})"), {"'g.gain' cannot have this value", "Give a number"});
+  expect_refused(with(R"({"id": "g", "type": "gain", "parameters": {"gain": "much"}, "values": {"in": 1}})"),
+                 {"'g.gain' cannot have this value", "Give a number"});
   expect_refused(with(R"({"id": "f", "type": "low-pass", "parameters": {"time": -1}, "values": {"in": 1}})"), {"'f.time'", "from 0"});
   expect_refused(with(R"({"id": "g", "type": "gain", "values": {"in": [1, 2]}})"), {"'g.in' needs 1 finite numbers"});
   expect_refused(with(R"({"id": "g", "type": "gain", "values": {"out": 1}})"), {"'g' has no input 'out'"});
@@ -56,19 +58,23 @@ TEST(Build, AcceptsALoopThroughADelay) {
 }
 
 TEST(Build, ASizeThatNothingDecidesIsRefused) {
-  expect_refused(R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values"}, {"id": "b", "type": "delay joint values"}],
+  expect_refused(
+      R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values"}, {"id": "b", "type": "delay joint values"}],
     "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})",
-                 {"Nothing decides the size of 'a.out'"});
-  auto sized = build(R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values", "parameters": {"count": 7}}, {"id": "b", "type": "delay joint values"}],
+      {"Nothing decides the size of 'a.out'"});
+  auto sized = build(
+      R"({"version": 1, "name": "size", "lsis": [{"id": "a", "type": "delay joint values", "parameters": {"count": 7}}, {"id": "b", "type": "delay joint values"}],
     "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})");
   ASSERT_TRUE(sized) << sized.error().text();
   EXPECT_EQ(sized->find_output("b.out")->count, 7u);
 }
 
 TEST(Build, OrderDoesNotDependOnTheOrderInTheFile) {
-  const char* one = R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "c", "type": "clock"}, {"id": "z", "type": "sum"}],
+  const char* one =
+      R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "c", "type": "clock"}, {"id": "z", "type": "sum"}],
     "wires": [{"from": "c.time", "to": "a.in"}, {"from": "b.time", "to": "z.in"}, {"from": "a.out", "to": "z.in"}]})";
-  const char* two = R"({"version": 1, "name": "o", "lsis": [{"id": "z", "type": "sum"}, {"id": "c", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "b", "type": "clock"}],
+  const char* two =
+      R"({"version": 1, "name": "o", "lsis": [{"id": "z", "type": "sum"}, {"id": "c", "type": "clock"}, {"id": "a", "type": "gain"}, {"id": "b", "type": "clock"}],
     "wires": [{"from": "a.out", "to": "z.in"}, {"from": "b.time", "to": "z.in"}, {"from": "c.time", "to": "a.in"}]})";
   auto x = build(one), y = build(two);
   ASSERT_TRUE(x && y);
@@ -128,18 +134,78 @@ TEST(Build, RefusesAnExplosionOfCircuits) {
   std::string text = R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "c0"}], "circuits": [)";
   for (int i = 0; i < 25; ++i) {
     text += R"({"name": "c)" + std::to_string(i) + R"(", "lsis": [)";
-    for (const char* id : {"a", "b", "c"}) text += R"({"id": ")" + std::string(id) + R"(", "type": ")" + (i < 24 ? "c" + std::to_string(i + 1) : "clock") + "\"}" + (*id != 'c' ? "," : "");
+    for (const char* id : {"a", "b", "c"})
+      text += R"({"id": ")" + std::string(id) + R"(", "type": ")" + (i < 24 ? "c" + std::to_string(i + 1) : "clock") + "\"}" +
+              (*id != 'c' ? "," : "");
     text += i < 24 ? "]}," : "]}";
   }
   expect_refused(text + "]}", {"opens into more than"});
+}
+
+TEST(Build, RefusesPinsOfACircuitThatLeadToEveryPlaceAtOnce) {
+  std::string text = R"({"version": 1, "name": "o", "lsis": [{"id": "t", "type": "clock"}, {"id": "a", "type": "c0"}],
+    "wires": [{"from": "t.time", "to": "a.x"}], "circuits": [)";
+  for (int i = 0; i < 28; ++i) {
+    text += R"({"name": "c)" + std::to_string(i) + R"(", "inputs": [{"name": "x", "type": "scalar", "to": ["b.)";
+    text += i < 27 ? R"(x", "b.x"]}], "lsis": [{"id": "b", "type": "c)" + std::to_string(i + 1) + R"("}]},)"
+                   : R"(in", "b.in"]}], "lsis": [{"id": "b", "type": "gain"}]})";
+  }
+  expect_refused(text + "]}", {"lead to too many places"});
+}
+
+TEST(Build, ChecksTheDeclaredTypesOfACircuitsPins) {
+  expect_refused(R"({"version": 1, "name": "o", "outputs": [{"name": "y", "type": "vector", "from": "n.out"}],
+    "lsis": [{"id": "n", "type": "inner"}, {"id": "v", "type": "make vector", "values": {"x": 1, "y": 2, "z": 3}}],
+    "wires": [{"from": "v.out", "to": "n.in"}],
+    "circuits": [{"name": "inner", "inputs": [{"name": "in", "type": "vector", "to": "g.in"}], "outputs": [{"name": "out", "type": "scalar", "from": "g.out"}],
+                  "lsis": [{"id": "g", "type": "gain"}]}]})",
+                 {"The circuit's pin 'in' is declared as vector, but 'n/g.in' inside is scalar",
+                  "The circuit's pin 'y' is declared as vector, but 'n/g.out' inside is scalar", "Declare it as scalar"});
+}
+
+TEST(Build, DamagedTextIsRefusedOrRuns) {
+  const std::string good = nested;
+  std::uint64_t seed = 20260101;
+  const auto random = [&seed](std::size_t below) {
+    seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+    return static_cast<std::size_t>(seed >> 33) % below;
+  };
+  const std::string_view pieces[] = {"\"",    "{",      "}", "[", "]",     ",",  ":",    "gain",   "in",     "out",         "twice",
+                                     "first", "second", ".", "/", "1e308", "-1", "null", "scalar", "vector", "wrapped gain"};
+  int refused = 0, ran = 0;
+  for (int k = 0; k < 5000; ++k) {
+    std::string text = good;
+    for (std::size_t n = 1 + random(3); n > 0; --n) {
+      const std::size_t at = random(text.size()), length = random(8);
+      text.replace(at, std::min(length, text.size() - at),
+                   random(2) ? pieces[random(std::size(pieces))] : text.substr(random(text.size()), random(12)));
+    }
+    const auto circuit = read_circuit(text);
+    if (!circuit) {
+      EXPECT_FALSE(circuit.error().problems.empty());
+      ++refused;
+      continue;
+    }
+    auto built = Interpreter::build(*circuit, signal_library(), nullptr, {});
+    if (!built) {
+      for (const Problem& p : built.error().problems) EXPECT_FALSE(p.remedy.empty() || p.message.empty()) << text;
+      ++refused;
+      continue;
+    }
+    for (int t = 0; t < 3; ++t) built->tick();
+    ++ran;
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_GT(ran, 5);
 }
 
 TEST(Build, OnDemandLsisMayNotFeedTheOthers) {
   expect_refused(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock", "every": 0}, {"id": "g", "type": "gain"}],
     "wires": [{"from": "c.time", "to": "g.in"}]})",
                  {"made only on demand"});
-  expect_refused(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "d", "type": "delay", "every": 0}], "wires": [{"from": "c.time", "to": "d.in"}]})",
-                 {"cannot run on demand"});
+  expect_refused(
+      R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "d", "type": "delay", "every": 0}], "wires": [{"from": "c.time", "to": "d.in"}]})",
+      {"cannot run on demand"});
 }
 
 }  // namespace

@@ -48,7 +48,8 @@ TEST(CircuitJson, KeepsEverythingThroughTextAndBack) {
   EXPECT_EQ(first.lsis[3].type, "somebody else's LSI");  // unknown LSIs are kept
   EXPECT_EQ(first.lsis[0].at.x, 10.5);
   EXPECT_EQ(std::get<std::vector<double>>(first.lsis[2].values[1].second)[2], 0.30000000000000004);
-  EXPECT_NE(text.find("    {\"id\": \"half\", \"type\": \"gain\", \"every\": 4, \"parameters\": {\"gain\": 0.1}},\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("    {\"id\": \"half\", \"type\": \"gain\", \"every\": 4, \"parameters\": {\"gain\": 0.1}},\n"), std::string::npos)
+      << text;
 }
 
 struct Bad {
@@ -72,23 +73,29 @@ TEST_P(BadCircuitText, IsRefusedWithPlaceAndRemedy) {
 
 INSTANTIATE_TEST_SUITE_P(
     Forms, BadCircuitText,
-    testing::Values(Bad{"", "circuit:1"}, Bad{"{\n\"version\": 1,\n\"name\": }", "circuit:3"}, Bad{"{\"version\": 1", "circuit:1"}, Bad{"[]", "circuit"},
-                    Bad{"\xff\xfe", "circuit:1"}, Bad{"{}", "circuit/version"}, Bad{R"({"version": 2})", "circuit/version"}, Bad{R"({"version": "1"})", "circuit/version"},
+    testing::Values(Bad{"", "circuit:1"}, Bad{"{\n\"version\": 1,\n\"name\": }", "circuit:3"}, Bad{"{\"version\": 1", "circuit:1"},
+                    Bad{"[]", "circuit"}, Bad{"\xff\xfe", "circuit:1"}, Bad{"{}", "circuit/version"},
+                    Bad{R"({"version": 2})", "circuit/version"}, Bad{R"({"version": "1"})", "circuit/version"},
                     Bad{R"({"version": 1, "nam": "x"})", "circuit/nam"}, Bad{R"({"version": 1, "name": 3})", "circuit/name"},
                     Bad{R"({"version": 1, "lsis": {}})", "circuit/lsis"}, Bad{R"({"version": 1, "lsis": [3]})", "circuit/lsis/0"},
-                    Bad{R"({"version": 1, "lsis": [{"type": "add"}]})", "circuit/lsis/0"}, Bad{R"({"version": 1, "lsis": [{"id": "a b", "type": "add"}]})", "circuit/lsis/0/id"},
-                    Bad{R"({"version": 1, "lsis": [{"id": "a.b", "type": "add"}]})", "circuit/lsis/0/id"}, Bad{R"({"version": 1, "lsis": [{"id": "a", "type": null}]})", "circuit/lsis/0/type"},
+                    Bad{R"({"version": 1, "lsis": [{"type": "add"}]})", "circuit/lsis/0"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a b", "type": "add"}]})", "circuit/lsis/0/id"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a.b", "type": "add"}]})", "circuit/lsis/0/id"},
+                    Bad{R"({"version": 1, "lsis": [{"id": "a", "type": null}]})", "circuit/lsis/0/type"},
                     Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "at": [1]}]})", "circuit/lsis/0/at"},
                     Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "every": -1}]})", "circuit/lsis/0/every"},
                     Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "every": 1.5}]})", "circuit/lsis/0/every"},
                     Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "parameters": [1]}]})", "circuit/lsis/0/parameters"},
                     Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "parameters": {"p": {}}}]})", "circuit/lsis/0/parameters/p"},
                     Bad{R"({"version": 1, "lsis": [{"id": "a", "type": "add", "values": {"p": [1, "2"]}}]})", "circuit/lsis/0/values/p"},
-                    Bad{R"({"version": 1, "wires": [{"from": "a.x"}]})", "circuit/wires/0"}, Bad{R"({"version": 1, "wires": [{"from": "a", "to": "b.y"}]})", "circuit/wires/0/from"},
-                    Bad{R"({"version": 1, "wires": [{"from": "a.", "to": "b.y"}]})", "circuit/wires/0/from"}, Bad{R"({"version": 1, "wires": [{"from": 1, "to": ".y"}]})", "circuit/wires/0/to"},
+                    Bad{R"({"version": 1, "wires": [{"from": "a.x"}]})", "circuit/wires/0"},
+                    Bad{R"({"version": 1, "wires": [{"from": "a", "to": "b.y"}]})", "circuit/wires/0/from"},
+                    Bad{R"({"version": 1, "wires": [{"from": "a.", "to": "b.y"}]})", "circuit/wires/0/from"},
+                    Bad{R"({"version": 1, "wires": [{"from": 1, "to": ".y"}]})", "circuit/wires/0/to"},
                     Bad{R"({"version": 1, "inputs": [{"name": "x", "type": "colour", "to": "a.b"}]})", "circuit/inputs/0/type"},
                     Bad{R"({"version": 1, "inputs": [{"name": "x", "type": "scalar"}]})", "circuit/inputs/0"},
-                    Bad{R"({"version": 1, "outputs": [{"name": "x", "type": "scalar", "from": ["a.b", "a.c"]}]})", "circuit/outputs/0/from"},
+                    Bad{R"({"version": 1, "outputs": [{"name": "x", "type": "scalar", "from": ["a.b", "a.c"]}]})",
+                        "circuit/outputs/0/from"},
                     Bad{R"({"version": 1, "outputs": [{"name": "x.y", "type": "scalar", "from": "a.b"}]})", "circuit/outputs/0/name"},
                     Bad{R"({"version": 1, "circuits": [{"lsis": []}]})", "circuit/circuits/0"}));
 

@@ -31,7 +31,8 @@ const char* const oscillator = R"({"version": 1, "name": "oscillator",
 
 TEST(Run, StateChangesTogetherAtTheTick) {
   // two delays that swap their values: right only if both see the old ones
-  auto i = build(R"({"version": 1, "name": "swap", "lsis": [{"id": "a", "type": "delay", "parameters": {"initial": 1}}, {"id": "b", "type": "delay", "parameters": {"initial": 2}}],
+  auto i = build(
+      R"({"version": 1, "name": "swap", "lsis": [{"id": "a", "type": "delay", "parameters": {"initial": 1}}, {"id": "b", "type": "delay", "parameters": {"initial": 2}}],
     "wires": [{"from": "a.out", "to": "b.in"}, {"from": "b.out", "to": "a.in"}]})");
   ASSERT_TRUE(i);
   for (int k = 0; k < 5; ++k) {
@@ -68,7 +69,8 @@ TEST(Run, RunsAtItsOwnRate) {
 }
 
 TEST(Run, OnDemandRunsOnlyWhenAsked) {
-  auto i = build(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "show", "type": "gain", "every": 0, "parameters": {"gain": 2}}], "wires": [{"from": "c.time", "to": "show.in"}]})");
+  auto i = build(
+      R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "clock"}, {"id": "show", "type": "gain", "every": 0, "parameters": {"gain": 2}}], "wires": [{"from": "c.time", "to": "show.in"}]})");
   ASSERT_TRUE(i);
   for (int k = 0; k < 6; ++k) ASSERT_TRUE(i->tick());
   EXPECT_EQ(value(*i, "show.out"), 0);
@@ -87,7 +89,8 @@ TEST(Run, SameBitsAfterSaveAndRestore) {
   ASSERT_TRUE(b->restore(saved));
   EXPECT_EQ(b->ticks(), 123u);
   for (int k = 0; k < 100; ++k) ASSERT_TRUE(b->tick());
-  for (const char* pin : {"x.out", "v.out", "smooth.out", "slow.out"}) EXPECT_EQ(std::bit_cast<std::uint64_t>(value(*a, pin)), std::bit_cast<std::uint64_t>(value(*b, pin))) << pin;
+  for (const char* pin : {"x.out", "v.out", "smooth.out", "slow.out"})
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(value(*a, pin)), std::bit_cast<std::uint64_t>(value(*b, pin))) << pin;
   std::vector<std::byte> one, two;
   a->save(one);
   b->save(two);
@@ -105,6 +108,11 @@ TEST(Run, RestoreRefusesForeignBytesAndStaysAsItWas) {
   EXPECT_FALSE(a->restore(foreign));
   EXPECT_FALSE(a->restore({}));
   EXPECT_FALSE(a->restore(std::span<const std::byte>(good).first(good.size() - 1)));
+  for (const std::size_t at : {std::size_t{16}, std::size_t{60}, good.size() - 1}) {  // ticks, arena, parameters
+    std::vector<std::byte> damaged = good;
+    damaged[at] ^= std::byte{1};
+    EXPECT_FALSE(a->restore(damaged)) << at;
+  }
   std::vector<std::byte> after;
   a->save(after);
   EXPECT_EQ(after, good);
@@ -155,7 +163,8 @@ TEST(Run, AFailureNamesTheLsiAndKeepsTheState) {
 }
 
 TEST(Run, ANumberThatIsNotFiniteStopsIt) {
-  auto i = build(R"({"version": 1, "name": "o", "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "k", "type": "gain", "parameters": {"gain": 1e200}}],
+  auto i = build(
+      R"({"version": 1, "name": "o", "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "k", "type": "gain", "parameters": {"gain": 1e200}}],
     "wires": [{"from": "x.out", "to": "k.in"}, {"from": "k.out", "to": "x.in"}]})");
   ASSERT_TRUE(i);
   int k = 0;
@@ -167,7 +176,8 @@ TEST(Run, ANumberThatIsNotFiniteStopsIt) {
 }
 
 TEST(Run, ParametersChangeWhileItRuns) {
-  auto i = build(R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "constant", "parameters": {"value": 2}}, {"id": "f", "type": "low-pass"}], "wires": [{"from": "c.out", "to": "f.in"}]})");
+  auto i = build(
+      R"({"version": 1, "name": "o", "lsis": [{"id": "c", "type": "constant", "parameters": {"value": 2}}, {"id": "f", "type": "low-pass"}], "wires": [{"from": "c.out", "to": "f.in"}]})");
   ASSERT_TRUE(i && i->tick());
   ASSERT_TRUE(i->set_parameter("c.value", 9));
   ASSERT_TRUE(i->tick());
@@ -214,7 +224,9 @@ struct Tank {
 };
 struct Tanks : Resources {
   Tank small{3};
-  [[nodiscard]] const void* find(std::string_view kind, std::string_view name) const override { return kind == "tank" && name == "small" ? &small : nullptr; }
+  [[nodiscard]] const void* find(std::string_view kind, std::string_view name) const override {
+    return kind == "tank" && name == "small" ? &small : nullptr;
+  }
 };
 int objects = 0;
 
@@ -292,7 +304,8 @@ TEST(Run, ObjectsRememberThroughSaveAndRestore) {
     EXPECT_TRUE(moved.tick());
   }
   EXPECT_EQ(objects, 0);
-  const auto refused = Interpreter::build(parse(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "tank", "parameters": {"name": "huge"}}]})"), library, &tanks, {});
+  const auto refused = Interpreter::build(
+      parse(R"({"version": 1, "name": "o", "lsis": [{"id": "a", "type": "tank", "parameters": {"name": "huge"}}]})"), library, &tanks, {});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().text().find("There is no tank 'huge'"), std::string::npos);
 }

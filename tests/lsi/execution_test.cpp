@@ -103,7 +103,7 @@ TEST(Execution, AGrabbedLinkComesAlong) {
   clear_events(*i);
   for (int k = 0; k < 1000; ++k) ASSERT_TRUE(i->tick()) << i->stopped()->text();
   const double* state = numbers(*i, "state");
-  EXPECT_GT(state[0], 0.3);  // the figure is dragged towards it
+  EXPECT_GT(state[0], 0.3);                                                                        // the figure is dragged towards it
   for (std::size_t k = 0; k < world.world->state_size(); ++k) ASSERT_LT(std::fabs(state[k]), 60);  // limp legs swing freely
   EventRecord release;
   release.kind = EventKind::release;
@@ -155,7 +155,8 @@ TEST(Execution, AWireFromAnotherCharacterIsRefused) {
     if (w.to == "control-ben.reference") w.from = "interpolation-anna.reference";
   const auto refused = circuit::Interpreter::build(c, standard_library(), &world, {});
   ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().text().find("'control-ben.reference' is about 'anna', the LSI about 'ben'"), std::string::npos) << refused.error().text();
+  EXPECT_NE(refused.error().text().find("'control-ben.reference' is about 'anna', the LSI about 'ben'"), std::string::npos)
+      << refused.error().text();
 }
 
 TEST(Execution, AnEmptyWorldRuns) {

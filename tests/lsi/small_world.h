@@ -113,7 +113,9 @@ struct SmallWorld {
     world = std::make_unique<World>(std::move(specs), std::move(events), Vec3{0, 0, -9.81}, collision::Ground{});
     circuit = make_execution_circuit({{"figure", true, 1, 1, 0.5}, {"ball.1", false, 1, 1, 0.5}}, 0.002);
   }
-  [[nodiscard]] Result<circuit::Interpreter> build() const { return circuit::Interpreter::build(circuit, standard_library(), world.get(), {.dt = 0.002, .check_finite = true}); }
+  [[nodiscard]] Result<circuit::Interpreter> build() const {
+    return circuit::Interpreter::build(circuit, standard_library(), world.get(), {.dt = 0.002, .check_finite = true});
+  }
 };
 
 inline const double* numbers(const circuit::Interpreter& i, const char* output) {

@@ -23,12 +23,12 @@ using NamedValue = std::pair<std::string, Value>;
 
 /// One LSI (or circuit used as an LSI) in a circuit.
 struct Instance {
-  std::string id;       ///< stable, unique in its circuit, letters, digits, `_` and `-`
-  std::string type;     ///< name of a circuit in `circuits`, or of an LSI class
-  std::string label;    ///< for people; may be empty
-  std::string note;     ///< comment; may be empty
-  Position at;          ///< in the editor
-  std::uint32_t every = 1;  ///< runs at each `every`-th tick; 0: only when the host asks (Interpreter::refresh)
+  std::string id;                      ///< stable, unique in its circuit, letters, digits, `_` and `-`
+  std::string type;                    ///< name of a circuit in `circuits`, or of an LSI class
+  std::string label;                   ///< for people; may be empty
+  std::string note;                    ///< comment; may be empty
+  Position at;                         ///< in the editor
+  std::uint32_t every = 1;             ///< runs at each `every`-th tick; 0: only when the host asks (Interpreter::refresh)
   std::vector<NamedValue> parameters;  ///< by name
   std::vector<NamedValue> values;      ///< of inputs without wire, by pin
   friend bool operator==(const Instance&, const Instance&) = default;

@@ -37,7 +37,8 @@ class Reader {
     Circuit c;
     if (!object(json, place)) return c;
     if (depth > max_depth) {
-      problems.add(ErrorCode::range, place, "Circuits are nested more than " + std::to_string(max_depth) + " deep.", "Flatten the innermost ones.");
+      problems.add(ErrorCode::range, place, "Circuits are nested more than " + std::to_string(max_depth) + " deep.",
+                   "Flatten the innermost ones.");
       return c;
     }
     known_fields(json, place, {"version", "name", "doc", "inputs", "outputs", "parameters", "lsis", "wires", "circuits"});
@@ -73,10 +74,12 @@ class Reader {
   void read_version(const Json& json, const std::string& place) {
     const auto it = json.find("version");
     if (it == json.end() || !it->is_number_integer()) {
-      problems.add(ErrorCode::syntax, place + "/version", "The version of the form is missing.", "Write \"version\": " + std::to_string(circuit_version) + ".");
+      problems.add(ErrorCode::syntax, place + "/version", "The version of the form is missing.",
+                   "Write \"version\": " + std::to_string(circuit_version) + ".");
     } else if (it->get<std::int64_t>() != circuit_version) {
       problems.add(ErrorCode::unsupported, place + "/version",
-                   "This program reads circuits of version " + std::to_string(circuit_version) + ".", "Use the program that wrote it, or a newer one.");
+                   "This program reads circuits of version " + std::to_string(circuit_version) + ".",
+                   "Use the program that wrote it, or a newer one.");
     }
   }
 
@@ -179,10 +182,12 @@ class Reader {
         for (const Json& n : *value) {
           if (n.is_number()) numbers.push_back(n.get<double>());
         }
-        if (numbers.size() != value->size()) problems.add(ErrorCode::syntax, here, "A list of numbers is expected here.", "Leave out what is not a number.");
+        if (numbers.size() != value->size())
+          problems.add(ErrorCode::syntax, here, "A list of numbers is expected here.", "Leave out what is not a number.");
         out.emplace_back(value.key(), std::move(numbers));
       } else {
-        problems.add(ErrorCode::syntax, here, "A number, true or false, a text or a list of numbers is expected here.", "Remove it to get the default.");
+        problems.add(ErrorCode::syntax, here, "A number, true or false, a text or a list of numbers is expected here.",
+                     "Remove it to get the default.");
       }
     }
   }
@@ -208,7 +213,8 @@ class Reader {
       if (it->is_number_unsigned() && it->get<std::uint64_t>() <= 1000000) {
         lsi.every = it->get<std::uint32_t>();
       } else {
-        problems.add(ErrorCode::range, place + "/every", "A whole number of ticks from 0 to 1000000 is expected here.", "1 runs it at each tick, 0 when it is asked for.");
+        problems.add(ErrorCode::range, place + "/every", "A whole number of ticks from 0 to 1000000 is expected here.",
+                     "1 runs it at each tick, 0 when it is asked for.");
       }
     }
     read_values(json, "parameters", place, lsi.parameters);
@@ -250,8 +256,7 @@ void add_text(std::string& line, const char* field, const std::string& value) {
 void add_values(std::string& line, const char* field, const std::vector<NamedValue>& values) {
   if (values.empty()) return;
   line += ", \"" + std::string(field) + "\": {";
-  for (std::size_t i = 0; i < values.size(); ++i)
-    line += (i ? ", " : "") + quoted(values[i].first) + ": " + value_text(values[i].second);
+  for (std::size_t i = 0; i < values.size(); ++i) line += (i ? ", " : "") + quoted(values[i].first) + ": " + value_text(values[i].second);
   line += "}";
 }
 
@@ -301,7 +306,8 @@ std::string circuit_text(const Circuit& c, const std::string& indent, bool outer
     return line + ", \"to\": " + ends_text(p.ends) + "}";
   });
   write_list(out, indent, "lsis", c.lsis, instance_text);
-  write_list(out, indent, "wires", c.wires, [](const Wire& w) { return "{\"from\": " + quoted(w.from) + ", \"to\": " + quoted(w.to) + "}"; });
+  write_list(out, indent, "wires", c.wires,
+             [](const Wire& w) { return "{\"from\": " + quoted(w.from) + ", \"to\": " + quoted(w.to) + "}"; });
   write_list(out, indent, "circuits", c.circuits, [&](const Circuit& inner) { return circuit_text(inner, indent + "    ", false); });
   return out + "\n" + indent + "}";
 }
@@ -340,7 +346,8 @@ struct Where {
 Result<Circuit> read_circuit(std::string_view text, std::string_view place) {
   Where where;
   if (!Json::sax_parse(text.begin(), text.end(), &where))
-    return fail(ErrorCode::syntax, line_of(text, place, where.offset), "The text stops being JSON here.", "Look for a missing comma, quote or bracket.");
+    return fail(ErrorCode::syntax, line_of(text, place, where.offset), "The text stops being JSON here.",
+                "Look for a missing comma, quote or bracket.");
   const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
   Reader reader;
   Circuit circuit = reader.read(json, std::string(place), 0, true);

@@ -10,7 +10,8 @@
 namespace ugoki::circuit {
 namespace {
 
-constexpr std::size_t max_items = 200000;  // LSIs and circuits, opened
+constexpr std::size_t max_items = 200000;      // LSIs and circuits, opened
+constexpr std::size_t max_searches = 4000000;  // pins looked up behind wires
 constexpr std::uint32_t max_every = 1000000;
 
 /// The class that stands for an input of the outermost circuit: one output, nothing to do.
@@ -87,7 +88,7 @@ class Flattener {
     connect(top);
     for (std::size_t i = 0; i < circuit.inputs.size(); ++i) connect_port(top, i, ports[i]);
     for (std::size_t i = 0; i < circuit.outputs.size(); ++i) {
-      const Source source = find_source(top, circuit.outputs[i].ends[0], top.place + "/outputs/" + std::to_string(i) + "/from");
+      const Source source = boundary_source(top, circuit.outputs[i], top.place + "/outputs/" + std::to_string(i));
       flat_.outputs.push_back({circuit.outputs[i].name, source});
     }
     check_inputs();
@@ -116,14 +117,17 @@ class Flattener {
       const std::string place = level.place + "/lsis/" + std::to_string(i);
       const Instance& lsi = circuit.lsis[i];
       for (std::size_t k = 0; k < lsi.parameters.size(); ++k)
-        given[i].push_back({lsi.id + "." + lsi.parameters[k].first, lsi.parameters[k].second, place + "/parameters/" + lsi.parameters[k].first});
+        given[i].push_back(
+            {lsi.id + "." + lsi.parameters[k].first, lsi.parameters[k].second, place + "/parameters/" + lsi.parameters[k].first});
     }
     std::map<std::string_view, std::size_t> index;
     for (std::size_t i = 0; i < circuit.lsis.size(); ++i) index.emplace(circuit.lsis[i].id, i);
     for (const Override& o : overrides) {
       const auto found = index.find(split(o.end).first);
       if (found == index.end()) {
-        problem(ErrorCode::unknown, o.place, "The parameter leads to '" + o.end + "', but there is no LSI '" + std::string(split(o.end).first) + "'.", "Correct the id.");
+        problem(ErrorCode::unknown, o.place,
+                "The parameter leads to '" + o.end + "', but there is no LSI '" + std::string(split(o.end).first) + "'.",
+                "Correct the id.");
       } else {
         given[found->second].push_back(o);
       }
@@ -137,7 +141,8 @@ class Flattener {
     const std::string id = level.prefix + lsi.id;
     if (opened_ >= max_items) {
       if (opened_++ == max_items)
-        problem(ErrorCode::range, place, "The circuit opens into more than " + std::to_string(max_items) + " LSIs.", "Use fewer nested circuits.");
+        problem(ErrorCode::range, place, "The circuit opens into more than " + std::to_string(max_items) + " LSIs.",
+                "Use fewer nested circuits.");
       return;
     }
     ++opened_;
@@ -161,12 +166,14 @@ class Flattener {
       item.level->place = place + "(" + lsi.type + ")";
       open(*item.level, own_every, pass_on(*inner, given, id));
       for (const NamedValue& v : lsi.values)
-        problem(ErrorCode::unsupported, place + "/values/" + v.first, "A circuit's pin takes no value.", "Wire a constant to '" + id + "." + v.first + "'.");
+        problem(ErrorCode::unsupported, place + "/values/" + v.first, "A circuit's pin takes no value.",
+                "Wire a constant to '" + id + "." + v.first + "'.");
       return;
     }
     const LsiClass* found = library_.find(lsi.type);
     if (!found) {
-      problem(ErrorCode::unknown, place + "/type", "The LSI '" + lsi.type + "' (used as '" + id + "') is missing: neither a circuit here nor installed.",
+      problem(ErrorCode::unknown, place + "/type",
+              "The LSI '" + lsi.type + "' (used as '" + id + "') is missing: neither a circuit here nor installed.",
               "Install it, or replace '" + id + "'; the circuit keeps it until then.");
       return;
     }
@@ -187,9 +194,11 @@ class Flattener {
     std::vector<Override> out;
     for (const Override& o : given) {
       const std::string_view name = split(o.end).second;
-      const auto found = std::find_if(inner.parameters.begin(), inner.parameters.end(), [&](const BoundaryParameter& p) { return p.name == name; });
+      const auto found =
+          std::find_if(inner.parameters.begin(), inner.parameters.end(), [&](const BoundaryParameter& p) { return p.name == name; });
       if (found == inner.parameters.end()) {
-        problem(ErrorCode::unknown, o.place, "'" + id + "' has no parameter '" + std::string(name) + "'.", "Remove it, or mind the spelling.");
+        problem(ErrorCode::unknown, o.place, "'" + id + "' has no parameter '" + std::string(name) + "'.",
+                "Remove it, or mind the spelling.");
         continue;
       }
       for (const std::string& end : found->ends) out.push_back({end, o.value, o.place});
@@ -267,7 +276,8 @@ class Flattener {
       if (!type.numeric || count == 0 || pin.multiple) {
         problem(ErrorCode::unsupported, at, "'" + flat.id + "." + pin.name + "' cannot have a fixed value.", "Wire something to it.");
       } else if (numbers.size() != wanted || !finite) {
-        problem(ErrorCode::range, at, "'" + flat.id + "." + pin.name + "' needs " + std::to_string(wanted) + " finite numbers.", "Give a list of that many.");
+        problem(ErrorCode::range, at, "'" + flat.id + "." + pin.name + "' needs " + std::to_string(wanted) + " finite numbers.",
+                "Give a list of that many.");
       } else {
         flat.inputs[static_cast<std::size_t>(k)].value = std::move(numbers);
       }
@@ -280,10 +290,12 @@ class Flattener {
     flat.lsi_class = &input_class(pin.type);
     flat.place = "circuit/inputs";
     if (pin_type(pin.type).default_count == 0)
-      problem(ErrorCode::unsupported, "circuit/inputs/" + pin.name, "An input of the outermost circuit cannot be of the type '" + std::string(pin_type(pin.type).name) + "'.",
+      problem(ErrorCode::unsupported, "circuit/inputs/" + pin.name,
+              "An input of the outermost circuit cannot be of the type '" + std::string(pin_type(pin.type).name) + "'.",
               "Use a type of fixed size.");
     for (const FlatPort& port : flat_.inputs)
-      if (port.name == pin.name) problem(ErrorCode::duplicate, "circuit/inputs/" + pin.name, "Two inputs are called '" + pin.name + "'.", "Rename one.");
+      if (port.name == pin.name)
+        problem(ErrorCode::duplicate, "circuit/inputs/" + pin.name, "Two inputs are called '" + pin.name + "'.", "Rename one.");
     const int i = static_cast<int>(flat_.lsis.size());
     flat_.inputs.push_back({pin.name, {i, 0}});
     flat_.lsis.push_back(std::move(flat));
@@ -295,28 +307,57 @@ class Flattener {
     const auto [id, pin] = split(end);
     const auto item = level.items.find(id);
     if (item == level.items.end()) {
-      if (!is_missing(level, id)) problem(ErrorCode::unknown, place, "There is no LSI '" + level.prefix + std::string(id) + "'.", "Correct the id, or remove the wire.");
+      if (!is_missing(level, id))
+        problem(ErrorCode::unknown, place, "There is no LSI '" + level.prefix + std::string(id) + "'.",
+                "Correct the id, or remove the wire.");
       return {};
     }
     if (item->second.level) {
       const Level& inner = *item->second.level;
-      for (std::size_t i = 0; i < inner.circuit->outputs.size(); ++i)
-        if (inner.circuit->outputs[i].name == pin)
-          return find_source(inner, inner.circuit->outputs[i].ends[0], inner.place + "/outputs/" + std::to_string(i) + "/from");
+      for (std::size_t i = 0; i < inner.circuit->outputs.size(); ++i) {
+        const BoundaryPin& boundary = inner.circuit->outputs[i];
+        if (boundary.name == pin) return boundary_source(inner, boundary, inner.place + "/outputs/" + std::to_string(i));
+      }
     } else {
       const int k = flat_.lsis[static_cast<std::size_t>(item->second.lsi)].lsi_class->find_output(pin);
       if (k >= 0) return {item->second.lsi, k};
     }
-    problem(ErrorCode::unknown, place, "'" + level.prefix + std::string(id) + "' has no output '" + std::string(pin) + "'.", "Choose one of its outputs.");
+    problem(ErrorCode::unknown, place, "'" + level.prefix + std::string(id) + "' has no output '" + std::string(pin) + "'.",
+            "Choose one of its outputs.");
     return {};
+  }
+
+  /// What an output of a circuit comes from.
+  Source boundary_source(const Level& level, const BoundaryPin& boundary, const std::string& place) {
+    const Source source = find_source(level, boundary.ends[0], place + "/from");
+    if (source.lsi < 0) return source;
+    const FlatLsi& lsi = flat_.lsis[static_cast<std::size_t>(source.lsi)];
+    const OutputPin& pin = lsi.lsi_class->outputs[static_cast<std::size_t>(source.pin)];
+    if (pin.type != boundary.type) wrong_type(place, boundary, lsi.id + "." + pin.name, pin.type);
+    return source;
+  }
+
+  void wrong_type(const std::string& place, const BoundaryPin& boundary, const std::string& inside, PinTypeId type) {
+    problem(ErrorCode::structure, place + "/type",
+            "The circuit's pin '" + boundary.name + "' is declared as " + std::string(pin_type(boundary.type).name) + ", but '" + inside +
+                "' inside is " + std::string(pin_type(type).name) + ".",
+            "Declare it as " + std::string(pin_type(type).name) + ".");
   }
 
   /// The inputs behind "id.pin" at this level.
   void find_sinks(const Level& level, const std::string& end, const std::string& place, std::vector<Sink>& sinks) {
+    if (searched_ >= max_searches) {
+      if (searched_++ == max_searches)
+        problem(ErrorCode::range, place, "The pins of nested circuits lead to too many places.", "Use fewer nested circuits.");
+      return;
+    }
+    ++searched_;
     const auto [id, pin] = split(end);
     const auto item = level.items.find(id);
     if (item == level.items.end()) {
-      if (!is_missing(level, id)) problem(ErrorCode::unknown, place, "There is no LSI '" + level.prefix + std::string(id) + "'.", "Correct the id, or remove the wire.");
+      if (!is_missing(level, id))
+        problem(ErrorCode::unknown, place, "There is no LSI '" + level.prefix + std::string(id) + "'.",
+                "Correct the id, or remove the wire.");
       return;
     }
     if (item->second.level) {
@@ -324,7 +365,14 @@ class Flattener {
       for (std::size_t i = 0; i < inner.circuit->inputs.size(); ++i) {
         const BoundaryPin& boundary = inner.circuit->inputs[i];
         if (boundary.name != pin) continue;
-        for (const std::string& e : boundary.ends) find_sinks(inner, e, inner.place + "/inputs/" + std::to_string(i) + "/to", sinks);
+        const std::string at = inner.place + "/inputs/" + std::to_string(i);
+        const std::size_t first = sinks.size();
+        for (const std::string& e : boundary.ends) find_sinks(inner, e, at + "/to", sinks);
+        for (std::size_t k = first; k < sinks.size(); ++k) {
+          const FlatLsi& lsi = flat_.lsis[static_cast<std::size_t>(sinks[k].lsi)];
+          const InputPin& in = lsi.lsi_class->inputs[static_cast<std::size_t>(sinks[k].pin)];
+          if (in.type != boundary.type) wrong_type(at, boundary, lsi.id + "." + in.name, in.type);
+        }
         return;
       }
     } else {
@@ -334,7 +382,8 @@ class Flattener {
         return;
       }
     }
-    problem(ErrorCode::unknown, place, "'" + level.prefix + std::string(id) + "' has no input '" + std::string(pin) + "'.", "Choose one of its inputs.");
+    problem(ErrorCode::unknown, place, "'" + level.prefix + std::string(id) + "' has no input '" + std::string(pin) + "'.",
+            "Choose one of its inputs.");
   }
 
   /// True if the circuit has an instance of this id that could not be opened; its own problem is reported already.
@@ -374,12 +423,14 @@ class Flattener {
     FlatInput& input = to.inputs[static_cast<std::size_t>(sink.pin)];
     if (out.type != in.type) {
       problem(ErrorCode::structure, place,
-              "'" + from_name + "' (" + std::string(pin_type(out.type).name) + ") does not fit '" + to_name + "' (" + std::string(pin_type(in.type).name) + ").",
+              "'" + from_name + "' (" + std::string(pin_type(out.type).name) + ") does not fit '" + to_name + "' (" +
+                  std::string(pin_type(in.type).name) + ").",
               "Wire pins of the same type, or put an LSI between that converts.");
     } else if (!input.sources.empty() && !in.multiple) {
       const FlatLsi& first = flat_.lsis[static_cast<std::size_t>(input.sources[0].lsi)];
       problem(ErrorCode::structure, place,
-              "Two wires end at '" + to_name + "': from '" + first.id + "." + first.lsi_class->outputs[static_cast<std::size_t>(input.sources[0].pin)].name + "' and from '" + from_name + "'.",
+              "Two wires end at '" + to_name + "': from '" + first.id + "." +
+                  first.lsi_class->outputs[static_cast<std::size_t>(input.sources[0].pin)].name + "' and from '" + from_name + "'.",
               "Remove one, or combine them with an LSI.");
     } else {
       input.sources.push_back(source);
@@ -391,7 +442,8 @@ class Flattener {
       for (std::size_t i = 0; i < lsi.inputs.size(); ++i) {
         const InputPin& pin = lsi.lsi_class->inputs[i];
         if (pin.required && lsi.inputs[i].sources.empty() && lsi.inputs[i].value.empty())
-          problem(ErrorCode::structure, lsi.place, "Nothing is wired to '" + lsi.id + "." + pin.name + "' (" + std::string(pin_type(pin.type).name) + ").",
+          problem(ErrorCode::structure, lsi.place,
+                  "Nothing is wired to '" + lsi.id + "." + pin.name + "' (" + std::string(pin_type(pin.type).name) + ").",
                   "Wire it, or give it a value.");
       }
   }
@@ -400,7 +452,8 @@ class Flattener {
     const std::size_t n = flat_.lsis.size();
     std::vector<int> order(n), rank(n);
     for (std::size_t i = 0; i < n; ++i) order[i] = static_cast<int>(i);
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return flat_.lsis[static_cast<std::size_t>(a)].id < flat_.lsis[static_cast<std::size_t>(b)].id; });
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return flat_.lsis[static_cast<std::size_t>(a)].id < flat_.lsis[static_cast<std::size_t>(b)].id; });
     std::vector<FlatLsi> sorted(n);
     for (std::size_t i = 0; i < n; ++i) {
       rank[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
@@ -410,7 +463,8 @@ class Flattener {
     for (FlatLsi& lsi : sorted)
       for (FlatInput& input : lsi.inputs) {
         for (Source& s : input.sources) renumber(s);
-        std::sort(input.sources.begin(), input.sources.end(), [](const Source& a, const Source& b) { return a.lsi != b.lsi ? a.lsi < b.lsi : a.pin < b.pin; });
+        std::sort(input.sources.begin(), input.sources.end(),
+                  [](const Source& a, const Source& b) { return a.lsi != b.lsi ? a.lsi < b.lsi : a.pin < b.pin; });
       }
     for (FlatPort& port : flat_.inputs) renumber(port.source);
     for (FlatPort& port : flat_.outputs) renumber(port.source);
@@ -420,11 +474,13 @@ class Flattener {
   const Library& library_;
   Error& problems_;
   FlatCircuit flat_;
-  std::size_t opened_ = 0;
+  std::size_t opened_ = 0, searched_ = 0;
 };
 
 }  // namespace
 
-FlatCircuit flatten(const Circuit& circuit, const Library& library, Error& problems) { return Flattener(library, problems).flatten(circuit); }
+FlatCircuit flatten(const Circuit& circuit, const Library& library, Error& problems) {
+  return Flattener(library, problems).flatten(circuit);
+}
 
 }  // namespace ugoki::circuit

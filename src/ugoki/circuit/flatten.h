@@ -23,9 +23,9 @@ struct FlatInput {
 };
 
 struct FlatLsi {
-  std::string id;               ///< with the ids of the circuits around it: "arm/elbow/gain"
+  std::string id;  ///< with the ids of the circuits around it: "arm/elbow/gain"
   const LsiClass* lsi_class = nullptr;
-  std::string place;            ///< JSON path
+  std::string place;  ///< JSON path
   std::uint32_t every = 1;
   std::vector<Value> parameters;  ///< all of the class, in the order of declaration
   std::vector<FlatInput> inputs;  ///< [inputs of the class]
@@ -37,8 +37,8 @@ struct FlatPort {
 };
 
 struct FlatCircuit {
-  std::vector<FlatLsi> lsis;      ///< sorted by id, so that an index is a stable rank
-  std::vector<FlatPort> inputs;   ///< of the outermost circuit
+  std::vector<FlatLsi> lsis;     ///< sorted by id, so that an index is a stable rank
+  std::vector<FlatPort> inputs;  ///< of the outermost circuit
   std::vector<FlatPort> outputs;
 };
 

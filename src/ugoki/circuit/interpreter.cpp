@@ -12,8 +12,20 @@ namespace {
 constexpr std::uint64_t saved_magic = 0x3153434b4f4755ULL;  // "UGOKCS1"
 
 struct SavedHeader {
-  std::uint64_t magic, layout, ticks, arena_words, parameters;
+  std::uint64_t magic, layout, ticks, arena_words, parameters, checksum;
 };
+
+/// Of tick and content, a word at a time: states are saved while they play.
+std::uint64_t checksum_of(std::uint64_t ticks, std::span<const std::byte> content) {
+  std::uint64_t hash = 0xcbf29ce484222325ULL ^ ticks;
+  for (std::size_t at = 0; at + sizeof hash <= content.size(); at += sizeof hash) {
+    std::uint64_t word;
+    std::memcpy(&word, content.data() + at, sizeof word);
+    hash = (hash ^ word) * 0x100000001b3ULL;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
 
 /// All finite, without a branch for each: x - x is 0 for a finite x only.
 inline bool all_finite(const double* x, std::uint32_t count) {
@@ -30,7 +42,9 @@ inline bool all_finite(const double* x, std::uint32_t count) {
 
 }  // namespace
 
-std::string Stop::text() const { return "'" + lsi + "' stopped at " + to_fixed(time, 3) + " s (tick " + std::to_string(tick) + "): " + reason; }
+std::string Stop::text() const {
+  return "'" + lsi + "' stopped at " + to_fixed(time, 3) + " s (tick " + std::to_string(tick) + "): " + reason;
+}
 
 template <bool timed>
 bool Interpreter::Machine::run(std::vector<Job>& jobs) {
@@ -56,8 +70,10 @@ bool Interpreter::Machine::run(std::vector<Job>& jobs) {
   return true;
 }
 
-Result<Interpreter> Interpreter::build(const Circuit& circuit, const Library& library, const Resources* resources, const BuildOptions& options) {
-  if (!(options.dt > 0) || !std::isfinite(options.dt)) return ugoki::fail(ErrorCode::range, "step", "The step must be a positive time.", "Use for example 0.002 s.");
+Result<Interpreter> Interpreter::build(const Circuit& circuit, const Library& library, const Resources* resources,
+                                       const BuildOptions& options) {
+  if (!(options.dt > 0) || !std::isfinite(options.dt))
+    return ugoki::fail(ErrorCode::range, "step", "The step must be a positive time.", "Use for example 0.002 s.");
   Error problems;
   FlatCircuit flat = flatten(circuit, library, problems);
   if (!problems.empty()) return ugoki::fail(std::move(problems));
@@ -73,7 +89,9 @@ Result<Interpreter> Interpreter::build(const Circuit& circuit, const Library& li
     }
     return ugoki::fail(std::move(once));
   }
-  if (machine->is_stopped) return ugoki::fail(ErrorCode::structure, machine->stop.lsi, "The LSI could not be started: " + machine->stop.reason, "Check its parameters.");
+  if (machine->is_stopped)
+    return ugoki::fail(ErrorCode::structure, machine->stop.lsi, "The LSI could not be started: " + machine->stop.reason,
+                       "Check its parameters.");
   return Interpreter(std::move(machine));
 }
 
@@ -122,7 +140,8 @@ Result<PinView> Interpreter::find_output(std::string_view pin) const {
 Result<PinView> Interpreter::find_circuit_output(std::string_view name) const {
   for (const FlatPort& port : machine_->outputs)
     if (port.name == name) return machine_->view(port.source);
-  return ugoki::fail(ErrorCode::unknown, std::string(name), "The circuit itself has no output of this name.", "Add it to the circuit's outputs.");
+  return ugoki::fail(ErrorCode::unknown, std::string(name), "The circuit itself has no output of this name.",
+                     "Add it to the circuit's outputs.");
 }
 
 std::span<std::byte> Interpreter::find_circuit_input(std::string_view name) {
@@ -145,12 +164,17 @@ Result<void> Interpreter::set_parameter(std::string_view parameter, double value
   const Parameter& p = u.lsi_class->parameters[static_cast<std::size_t>(k)];
   const std::size_t components = p.kind == ParameterKind::vector ? 3 : 1;
   if (!p.live || p.kind == ParameterKind::text || component >= components)
-    return ugoki::fail(ErrorCode::unsupported, place, "This parameter cannot be changed while the circuit runs.", "Change it in the circuit.");
-  const double top = p.kind == ParameterKind::boolean ? 1.0 : p.kind == ParameterKind::choice ? static_cast<double>(p.choices.size() - 1) : p.maximum;
+    return ugoki::fail(ErrorCode::unsupported, place, "This parameter cannot be changed while the circuit runs.",
+                       "Change it in the circuit.");
+  const double top = p.kind == ParameterKind::boolean  ? 1.0
+                     : p.kind == ParameterKind::choice ? static_cast<double>(p.choices.size() - 1)
+                                                       : p.maximum;
   const double bottom = p.kind == ParameterKind::boolean || p.kind == ParameterKind::choice ? 0.0 : p.minimum;
   const bool whole = p.kind == ParameterKind::integer || p.kind == ParameterKind::boolean || p.kind == ParameterKind::choice;
   if (!std::isfinite(value) || value < bottom || value > top || (whole && std::floor(value) != value))
-    return ugoki::fail(ErrorCode::range, place, "The value is out of range.", "Give " + std::string(whole ? "a whole number" : "a number") + " from " + to_text(bottom) + " to " + to_text(top) + ".");
+    return ugoki::fail(
+        ErrorCode::range, place, "The value is out of range.",
+        "Give " + std::string(whole ? "a whole number" : "a number") + " from " + to_text(bottom) + " to " + to_text(top) + ".");
   machine_->parameters[u.parameters + parameter_offset(*u.lsi_class, static_cast<std::size_t>(k)) + component] = value;
   return {};
 }
@@ -158,25 +182,31 @@ Result<void> Interpreter::set_parameter(std::string_view parameter, double value
 void Interpreter::save(std::vector<std::byte>& bytes) {
   Machine& m = *machine_;
   m.store_objects();
-  const SavedHeader header{saved_magic, m.layout, m.tick.index, m.arena.size(), m.parameters.size()};
+  SavedHeader header{saved_magic, m.layout, m.tick.index, m.arena.size(), m.parameters.size(), 0};
   const std::size_t arena_size = m.arena.size() * 8, parameter_size = m.parameters.size() * 8;
   bytes.resize(sizeof header + arena_size + parameter_size);
+  std::byte* content = bytes.data() + sizeof header;
+  std::memcpy(content, m.arena.data(), arena_size);
+  if (parameter_size) std::memcpy(content + arena_size, m.parameters.data(), parameter_size);
+  header.checksum = checksum_of(header.ticks, {content, arena_size + parameter_size});
   std::memcpy(bytes.data(), &header, sizeof header);
-  std::memcpy(bytes.data() + sizeof header, m.arena.data(), arena_size);
-  if (parameter_size) std::memcpy(bytes.data() + sizeof header + arena_size, m.parameters.data(), parameter_size);
 }
 
 Result<void> Interpreter::restore(std::span<const std::byte> bytes) {
   Machine& m = *machine_;
   SavedHeader header{};
   if (bytes.size() >= sizeof header) std::memcpy(&header, bytes.data(), sizeof header);
-  if (header.magic != saved_magic) return ugoki::fail(ErrorCode::syntax, "saved state", "These bytes are not a saved state.", "Give what save wrote.");
+  if (header.magic != saved_magic)
+    return ugoki::fail(ErrorCode::syntax, "saved state", "These bytes are not a saved state.", "Give what save wrote.");
   if (header.layout != m.layout || header.arena_words != m.arena.size() || header.parameters != m.parameters.size())
-    return ugoki::fail(ErrorCode::conflict, "saved state", "The state was saved by another circuit, or another version of its LSIs.", "Run from the beginning.");
+    return ugoki::fail(ErrorCode::conflict, "saved state", "The state was saved by another circuit, or another version of its LSIs.",
+                       "Run from the beginning.");
   const std::size_t arena_size = m.arena.size() * 8, parameter_size = m.parameters.size() * 8;
-  if (bytes.size() != sizeof header + arena_size + parameter_size) return ugoki::fail(ErrorCode::truncated, "saved state", "The saved state is cut off.", "Save it again.");
-  std::memcpy(m.arena.data(), bytes.data() + sizeof header, arena_size);
-  if (parameter_size) std::memcpy(m.parameters.data(), bytes.data() + sizeof header + arena_size, parameter_size);
+  const std::span<const std::byte> content = bytes.subspan(sizeof header);
+  if (content.size() != arena_size + parameter_size || header.checksum != checksum_of(header.ticks, content))
+    return ugoki::fail(ErrorCode::truncated, "saved state", "The saved state is cut off or damaged.", "Run from the beginning.");
+  std::memcpy(m.arena.data(), content.data(), arena_size);
+  if (parameter_size) std::memcpy(m.parameters.data(), content.data() + arena_size, parameter_size);
   m.tick.index = header.ticks;
   m.tick.time = static_cast<double>(header.ticks) * m.tick.dt;
   m.is_stopped = false;
@@ -195,12 +225,15 @@ std::size_t Interpreter::adopt(Interpreter& other) {
     const int k = o.find_unit(to.id);
     if (k < 0) continue;
     const Unit& from = o.units[static_cast<std::size_t>(k)];
-    if (from.lsi_class->name != to.lsi_class->name || from.lsi_class->version != to.lsi_class->version || from.outputs != to.outputs || from.state.size() != to.state.size()) continue;
+    if (from.lsi_class->name != to.lsi_class->name || from.lsi_class->version != to.lsi_class->version || from.outputs != to.outputs ||
+        from.state.size() != to.state.size())
+      continue;
     if (to.state.size()) std::memcpy(m.bytes() + to.state.begin, o.bytes() + from.state.begin, to.state.size());
     for (std::size_t pin = 0; pin < to.outputs.size(); ++pin) {
       const std::size_t size = m.view({static_cast<int>(i), static_cast<int>(pin)}).bytes.size();
       std::memcpy(m.bytes() + to.output_offsets[pin], o.bytes() + from.output_offsets[pin], size);
-      if (to.lsi_class->outputs[pin].delayed) std::memcpy(m.bytes() + to.output_offsets[pin] + to_back, o.bytes() + from.output_offsets[pin] + from_back, size);
+      if (to.lsi_class->outputs[pin].delayed)
+        std::memcpy(m.bytes() + to.output_offsets[pin] + to_back, o.bytes() + from.output_offsets[pin] + from_back, size);
     }
     if (to.lsi_class->recall) to.lsi_class->recall(&m.calls[i]);
     ++taken;

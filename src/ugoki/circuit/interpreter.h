@@ -38,13 +38,15 @@ struct PinView {
   std::span<const std::byte> bytes;
 
   /// The payload's numbers (numeric types).
-  [[nodiscard]] std::span<const double> numbers() const { return {reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)}; }
+  [[nodiscard]] std::span<const double> numbers() const {
+    return {reinterpret_cast<const double*>(bytes.data()), bytes.size() / sizeof(double)};
+  }
 };
 
 /// Time that one LSI took so far, in the clock's units.
 struct Timing {
   std::string lsi;
-  std::uint64_t runs = 0;   ///< calls of step and advance
+  std::uint64_t runs = 0;  ///< calls of step and advance
   std::uint64_t total = 0;
 };
 
@@ -57,7 +59,8 @@ class Interpreter {
 
   /// Opens, checks, sizes and schedules the circuit, and sets the first state. All problems are reported, with the names of LSIs
   /// and pins. @param library, resources outlive the interpreter
-  [[nodiscard]] static Result<Interpreter> build(const Circuit& circuit, const Library& library, const Resources* resources, const BuildOptions& options);
+  [[nodiscard]] static Result<Interpreter> build(const Circuit& circuit, const Library& library, const Resources* resources,
+                                                 const BuildOptions& options);
 
   Interpreter(Interpreter&&) noexcept;
   Interpreter& operator=(Interpreter&&) noexcept;

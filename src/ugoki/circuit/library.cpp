@@ -66,12 +66,14 @@ void Library::add(LsiClass c) {
         break;
     }
   }
-  const auto at = std::lower_bound(classes_.begin(), classes_.end(), c.name, [](const LsiClass& a, const std::string& name) { return a.name < name; });
+  const auto at =
+      std::lower_bound(classes_.begin(), classes_.end(), c.name, [](const LsiClass& a, const std::string& name) { return a.name < name; });
   classes_.insert(at, std::move(c));
 }
 
 const LsiClass* Library::find(std::string_view name) const {
-  const auto at = std::lower_bound(classes_.begin(), classes_.end(), name, [](const LsiClass& a, std::string_view n) { return a.name < n; });
+  const auto at =
+      std::lower_bound(classes_.begin(), classes_.end(), name, [](const LsiClass& a, std::string_view n) { return a.name < n; });
   return at != classes_.end() && at->name == name ? &*at : nullptr;
 }
 

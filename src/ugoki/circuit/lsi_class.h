@@ -20,26 +20,26 @@ namespace ugoki::circuit {
 
 /// The moment for which a tick computes. Plain data.
 struct Tick {
-  double time = 0;           ///< s, index * dt
-  double dt = 0;             ///< s
-  std::uint64_t index = 0;   ///< ticks done before this one
+  double time = 0;          ///< s, index * dt
+  double dt = 0;            ///< s
+  std::uint64_t index = 0;  ///< ticks done before this one
 };
 
 /// What step, advance and init are given: addresses bound once when the circuit is built. Plain data, so that a function
 /// compiled elsewhere can be called through it.
 struct Call {
-  const void* const* in;          ///< payload of every wire into this LSI; pin i is in[in_first[i]] (in[i] as long as no earlier pin is
-                                  ///< `multiple`); pins without wire have their default, sized pins without wire are null
-  void* const* out;               ///< [outputs] payloads to write; delayed ones show themselves at the end of the tick
-  const std::uint32_t* in_first;  ///< [inputs + 1]
-  const std::uint32_t* in_count;  ///< elements of each payload of `in`
-  const std::uint32_t* out_count; ///< elements of each payload of `out`
-  const double* parameters;       ///< numbers, booleans (0, 1), choices (index) and vectors (3) in the order of declaration
-  void* state;                    ///< as many bytes as `configure` asked for, saved and restored by the interpreter
-  void* object;                   ///< what `make` returned
+  const void* const* in;           ///< payload of every wire into this LSI; pin i is in[in_first[i]] (in[i] as long as no earlier pin is
+                                   ///< `multiple`); pins without wire have their default, sized pins without wire are null
+  void* const* out;                ///< [outputs] payloads to write; delayed ones show themselves at the end of the tick
+  const std::uint32_t* in_first;   ///< [inputs + 1]
+  const std::uint32_t* in_count;   ///< elements of each payload of `in`
+  const std::uint32_t* out_count;  ///< elements of each payload of `out`
+  const double* parameters;        ///< numbers, booleans (0, 1), choices (index) and vectors (3) in the order of declaration
+  void* state;                     ///< as many bytes as `configure` asked for, saved and restored by the interpreter
+  void* object;                    ///< what `make` returned
   const Tick* tick;
-  char* reason;                   ///< where a function that returns non-zero says why (zero-terminated)
-  std::uint32_t reason_size;      ///< bytes
+  char* reason;               ///< where a function that returns non-zero says why (zero-terminated)
+  std::uint32_t reason_size;  ///< bytes
 };
 
 /// 0: done. Anything else stops the interpreter; Call::reason says why.
@@ -56,11 +56,11 @@ struct InputPin {
   PinTypeId type = PinTypeId::scalar;
   std::string unit;
   std::string doc;
-  bool required = true;       ///< refuses to run without a wire or a value
-  bool direct = true;         ///< read by `step`; false: read by `advance` only, so that no value goes round through it in one tick
-  bool multiple = false;      ///< takes any number of wires, ordered by the ids of their sources; after all other inputs
-  std::uint32_t count = 0;    ///< elements; 0: those of the type, or of what is wired to it
-  double value = 0;           ///< every number of an optional numeric pin that has no wire (rotations, poses: the identity)
+  bool required = true;     ///< refuses to run without a wire or a value
+  bool direct = true;       ///< read by `step`; false: read by `advance` only, so that no value goes round through it in one tick
+  bool multiple = false;    ///< takes any number of wires, ordered by the ids of their sources; after all other inputs
+  std::uint32_t count = 0;  ///< elements; 0: those of the type, or of what is wired to it
+  double value = 0;         ///< every number of an optional numeric pin that has no wire (rotations, poses: the identity)
 };
 
 struct OutputPin {
@@ -68,8 +68,8 @@ struct OutputPin {
   PinTypeId type = PinTypeId::scalar;
   std::string unit;
   std::string doc;
-  bool delayed = false;       ///< written by `advance`, seen from the next tick on
-  std::uint32_t count = 0;    ///< elements; 0: those of the type, or set by `configure`
+  bool delayed = false;     ///< written by `advance`, seen from the next tick on
+  std::uint32_t count = 0;  ///< elements; 0: those of the type, or set by `configure`
 };
 
 enum class ParameterKind : std::uint8_t { number, integer, boolean, text, choice, vector };
@@ -79,13 +79,13 @@ using Value = std::variant<double, bool, std::string, std::vector<double>>;
 struct Parameter {
   std::string name;
   ParameterKind kind = ParameterKind::number;
-  Value initial = 0.0;        ///< choice: the word
-  double minimum = -1e300;    ///< number, integer, vector components
+  Value initial = 0.0;      ///< choice: the word
+  double minimum = -1e300;  ///< number, integer, vector components
   double maximum = 1e300;
   std::vector<std::string> choices;
   std::string unit;
   std::string doc;
-  bool live = true;           ///< may be changed while it runs (never text)
+  bool live = true;  ///< may be changed while it runs (never text)
 };
 
 class Setup;
@@ -113,7 +113,7 @@ struct LsiClass {
   void (*store)(const Call*) = nullptr;
   void (*recall)(const Call*) = nullptr;
 
-  [[nodiscard]] int find_input(std::string_view pin) const;   ///< index or -1
+  [[nodiscard]] int find_input(std::string_view pin) const;  ///< index or -1
   [[nodiscard]] int find_output(std::string_view pin) const;
   [[nodiscard]] int find_parameter(std::string_view parameter) const;
 };

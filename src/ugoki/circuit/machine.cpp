@@ -22,7 +22,9 @@ class Layout {
   std::size_t size_ = 0;
 };
 
-std::size_t output_bytes(const Unit& unit, std::size_t pin) { return payload_bytes(pin_type(unit.lsi_class->outputs[pin].type), unit.outputs[pin].count); }
+std::size_t output_bytes(const Unit& unit, std::size_t pin) {
+  return payload_bytes(pin_type(unit.lsi_class->outputs[pin].type), unit.outputs[pin].count);
+}
 
 /// Places the outputs of one kind (delayed or not): numbers first, so that one range holds all that must be finite.
 Range place_outputs(Unit& unit, bool delayed, Layout& layout) {
@@ -31,7 +33,8 @@ Range place_outputs(Unit& unit, bool delayed, Layout& layout) {
     if (numeric) numbers.begin = layout.size();
     for (std::size_t pin = 0; pin < unit.outputs.size(); ++pin) {
       const OutputPin& declared = unit.lsi_class->outputs[pin];
-      if (declared.delayed == delayed && pin_type(declared.type).numeric == numeric) unit.output_offsets[pin] = layout.take(output_bytes(unit, pin));
+      if (declared.delayed == delayed && pin_type(declared.type).numeric == numeric)
+        unit.output_offsets[pin] = layout.take(output_bytes(unit, pin));
     }
     if (numeric) numbers.end = layout.size();
   }

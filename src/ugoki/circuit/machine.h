@@ -33,26 +33,26 @@ struct Unit {
   std::vector<Shape> outputs;
   std::vector<std::size_t> output_offsets;  ///< in the arena, where consumers read
   Range state;
-  Range direct_numbers, delayed_numbers;    ///< numeric outputs to check; delayed ones where the LSI writes
-  std::size_t parameters = 0;               ///< first one in Machine::parameters
-  std::uint64_t runs = 0, total = 0;        ///< timing
+  Range direct_numbers, delayed_numbers;  ///< numeric outputs to check; delayed ones where the LSI writes
+  std::size_t parameters = 0;             ///< first one in Machine::parameters
+  std::uint64_t runs = 0, total = 0;      ///< timing
 };
 
 struct Interpreter::Machine {
   ~Machine();
 
-  std::vector<Unit> units;             ///< [lsis], sorted by id
-  std::vector<Call> calls;             ///< [lsis]
-  std::vector<const void*> in;         ///< of all calls
+  std::vector<Unit> units;      ///< [lsis], sorted by id
+  std::vector<Call> calls;      ///< [lsis]
+  std::vector<const void*> in;  ///< of all calls
   std::vector<void*> out;
   std::vector<std::uint32_t> in_first, in_count, out_count;
   std::vector<double> parameters;
-  std::vector<std::uint64_t> arena;    ///< in words of 8 bytes
-  Range front, back;                   ///< delayed outputs: as seen, as written; same order
+  std::vector<std::uint64_t> arena;  ///< in words of 8 bytes
+  Range front, back;                 ///< delayed outputs: as seen, as written; same order
   std::vector<Job> steps, advances, on_demand;
   std::vector<int> order;
   std::vector<FlatPort> inputs, outputs;
-  std::uint64_t layout = 0;            ///< hash of ids, classes, versions and sizes
+  std::uint64_t layout = 0;  ///< hash of ids, classes, versions and sizes
   Tick tick;
   Clock clock = nullptr;
   bool is_stopped = false;

@@ -27,8 +27,8 @@ enum class PinTypeId : std::uint16_t {
 
 struct PinType {
   PinTypeId id = PinTypeId::scalar;
-  std::string_view name;            ///< "joint values"
-  std::string_view color;           ///< "#rrggbb", for editors
+  std::string_view name;   ///< "joint values"
+  std::string_view color;  ///< "#rrggbb", for editors
   std::uint32_t header_bytes = 0;
   std::uint32_t element_bytes = 8;
   std::uint32_t default_count = 1;  ///< elements of a pin that says nothing; 0: resolved when the circuit is built

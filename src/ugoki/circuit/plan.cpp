@@ -8,7 +8,9 @@ namespace ugoki::circuit {
 namespace {
 
 const FlatLsi& at(const FlatCircuit& flat, int i) { return flat.lsis[static_cast<std::size_t>(i)]; }
-const OutputPin& output_of(const FlatCircuit& flat, const Source& s) { return at(flat, s.lsi).lsi_class->outputs[static_cast<std::size_t>(s.pin)]; }
+const OutputPin& output_of(const FlatCircuit& flat, const Source& s) {
+  return at(flat, s.lsi).lsi_class->outputs[static_cast<std::size_t>(s.pin)];
+}
 
 /// Every input with a wire: visit(lsi, pin, source).
 template <class Visit>
@@ -34,7 +36,8 @@ void resolve_sizes(const FlatCircuit& flat, std::vector<Setup>& setups, Error& p
     Setup& setup = setups[i];
     for (std::size_t pin = 0; pin < lsi.inputs.size(); ++pin) {
       std::vector<Shape> shapes;
-      for (const Source& s : lsi.inputs[pin].sources) shapes.push_back(setups[static_cast<std::size_t>(s.lsi)].outputs()[static_cast<std::size_t>(s.pin)]);
+      for (const Source& s : lsi.inputs[pin].sources)
+        shapes.push_back(setups[static_cast<std::size_t>(s.lsi)].outputs()[static_cast<std::size_t>(s.pin)]);
       setup.set_in(pin, std::move(shapes));
     }
     if (!lsi.lsi_class->configure) continue;
@@ -42,7 +45,8 @@ void resolve_sizes(const FlatCircuit& flat, std::vector<Setup>& setups, Error& p
     lsi.lsi_class->configure(setup);
     if (setup.outputs() == before) continue;
     if (++visits[i] > 64) {
-      problems.add(ErrorCode::structure, lsi.id, "The sizes of '" + lsi.id + "' do not settle.", "Insert a delay of a given size into the circle of wires it is in.");
+      problems.add(ErrorCode::structure, lsi.id, "The sizes of '" + lsi.id + "' do not settle.",
+                   "Insert a delay of a given size into the circle of wires it is in.");
       return;
     }
     for (const int c : consumers[i]) {
@@ -68,15 +72,19 @@ void check_sizes(const FlatCircuit& flat, const std::vector<Setup>& setups, Erro
     const std::uint32_t got = setups[static_cast<std::size_t>(s.lsi)].outputs()[static_cast<std::size_t>(s.pin)].count;
     if (wanted != 0 && wanted != got)
       problems.add(ErrorCode::structure, at(flat, i).id,
-                   "'" + at(flat, s.lsi).id + "." + output_of(flat, s).name + "' gives " + std::to_string(got) + " elements, '" + at(flat, i).id + "." + in.name + "' takes " + std::to_string(wanted) + ".",
+                   "'" + at(flat, s.lsi).id + "." + output_of(flat, s).name + "' gives " + std::to_string(got) + " elements, '" +
+                       at(flat, i).id + "." + in.name + "' takes " + std::to_string(wanted) + ".",
                    "Wire something of that size.");
     if (at(flat, s.lsi).every == 0 && at(flat, i).every != 0)
-      problems.add(ErrorCode::structure, at(flat, i).id, "'" + at(flat, i).id + "' runs at every tick but takes '" + at(flat, s.lsi).id + "." + output_of(flat, s).name + "', which is made only on demand.",
+      problems.add(ErrorCode::structure, at(flat, i).id,
+                   "'" + at(flat, i).id + "' runs at every tick but takes '" + at(flat, s.lsi).id + "." + output_of(flat, s).name +
+                       "', which is made only on demand.",
                    "Set \"every\" of '" + at(flat, s.lsi).id + "' to 1.");
   });
   for (const FlatLsi& lsi : flat.lsis)
     if (lsi.every == 0 && lsi.lsi_class->advance)
-      problems.add(ErrorCode::structure, lsi.id, "'" + lsi.id + "' has a state that moves on with the ticks, so it cannot run on demand only.", "Set \"every\" to 1.");
+      problems.add(ErrorCode::structure, lsi.id,
+                   "'" + lsi.id + "' has a state that moves on with the ticks, so it cannot run on demand only.", "Set \"every\" to 1.");
 }
 
 /// A circle among the LSIs that could not be ordered, starting at its smallest id.
@@ -141,7 +149,8 @@ std::vector<int> order_steps(const FlatCircuit& flat, Error& problems) {
     last = at(flat, source.lsi).id + "." + output_of(flat, source).name;
     names += (names.empty() ? "" : ", ") + last + " -> " + to.id + "." + to.lsi_class->inputs[static_cast<std::size_t>(sink.second)].name;
   }
-  problems.add(ErrorCode::structure, "circuit", "Values go round in a circle within one tick: " + names + ".", "Insert a delay behind '" + last + "'.");
+  problems.add(ErrorCode::structure, "circuit", "Values go round in a circle within one tick: " + names + ".",
+               "Insert a delay behind '" + last + "'.");
   return order;
 }
 

@@ -10,8 +10,8 @@
 namespace ugoki::circuit {
 
 struct Plan {
-  std::vector<Setup> setups;   ///< [lsis] with parameters, sizes and resources
-  std::vector<int> order;      ///< of `step`: producers before consumers, ties broken by id
+  std::vector<Setup> setups;  ///< [lsis] with parameters, sizes and resources
+  std::vector<int> order;     ///< of `step`: producers before consumers, ties broken by id
 };
 
 /// Sizes every payload and orders the steps. Refused, with all names: sizes that nothing decides, wires between different subjects or

@@ -11,9 +11,16 @@ std::size_t numbers_of(ParameterKind kind) { return kind == ParameterKind::text 
 
 }  // namespace
 
-Setup::Setup(std::string id, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt, Error& problems)
-    : id_(std::move(id)), class_(&lsi_class), parameters_(std::move(parameters)), resources_(resources), dt_(dt), problems_(&problems),
-      inputs_(lsi_class.inputs.size()), outputs_(lsi_class.outputs.size()) {
+Setup::Setup(std::string id, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt,
+             Error& problems)
+    : id_(std::move(id)),
+      class_(&lsi_class),
+      parameters_(std::move(parameters)),
+      resources_(resources),
+      dt_(dt),
+      problems_(&problems),
+      inputs_(lsi_class.inputs.size()),
+      outputs_(lsi_class.outputs.size()) {
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const OutputPin& pin = lsi_class.outputs[i];
     outputs_[i].count = pin.count ? pin.count : pin_type(pin.type).default_count;
@@ -38,12 +45,13 @@ void Setup::set_out(std::size_t pin, std::uint32_t count, int subject) {
 const void* Setup::find_resource(std::string_view kind, std::string_view name) {
   const void* found = resources_ ? resources_->find(kind, name) : nullptr;
   if (!found)
-    fail(ErrorCode::unknown, "There is no " + std::string(kind) + " '" + std::string(name) + "' here.",
-         "Name one that the content has.");
+    fail(ErrorCode::unknown, "There is no " + std::string(kind) + " '" + std::string(name) + "' here.", "Name one that the content has.");
   return found;
 }
 
-void Setup::fail(ErrorCode code, std::string message, std::string remedy) { problems_->add(code, id_, std::move(message), std::move(remedy)); }
+void Setup::fail(ErrorCode code, std::string message, std::string remedy) {
+  problems_->add(code, id_, std::move(message), std::move(remedy));
+}
 
 std::vector<double> Setup::numbers() const {
   std::vector<double> out;
@@ -56,7 +64,8 @@ std::vector<double> Setup::numbers() const {
       case ParameterKind::boolean: out.push_back(*std::get_if<bool>(&v) ? 1.0 : 0.0); break;
       case ParameterKind::text: break;
       case ParameterKind::choice:
-        out.push_back(static_cast<double>(std::find(p.choices.begin(), p.choices.end(), *std::get_if<std::string>(&v)) - p.choices.begin()));
+        out.push_back(
+            static_cast<double>(std::find(p.choices.begin(), p.choices.end(), *std::get_if<std::string>(&v)) - p.choices.begin()));
         break;
       case ParameterKind::vector: {
         const auto& x = *std::get_if<std::vector<double>>(&v);

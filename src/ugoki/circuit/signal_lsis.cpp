@@ -22,7 +22,8 @@ OutputPin out(std::string name, PinTypeId type = PinTypeId::scalar, std::string 
   pin.doc = std::move(doc);
   return pin;
 }
-Parameter number(std::string name, double initial, std::string doc, double minimum = -1e300, double maximum = 1e300, std::string unit = {}) {
+Parameter number(std::string name, double initial, std::string doc, double minimum = -1e300, double maximum = 1e300,
+                 std::string unit = {}) {
   Parameter p;
   p.name = std::move(name);
   p.initial = initial;
@@ -104,8 +105,8 @@ void add_scalar_parts(Library& library) {
   clamp.parameters = {number("minimum", 0, "The least value."), number("maximum", 1, "The greatest value.")};
   library.add(std::move(clamp));
 
-  library.add(lsi("switch", "`on` where the condition is above zero, otherwise `off`.", {in("condition"), in("on"), in("off")}, {out("out")},
-                  [](const Call* c) -> std::int32_t {
+  library.add(lsi("switch", "`on` where the condition is above zero, otherwise `off`.", {in("condition"), in("on"), in("off")},
+                  {out("out")}, [](const Call* c) -> std::int32_t {
                     *output(c, 0) = *input(c, 0) > 0 ? *input(c, 1) : *input(c, 2);
                     return 0;
                   }));
@@ -130,7 +131,8 @@ void add_scalar_dynamics(Library& library) {
   };
   library.add(std::move(integrator));
 
-  LsiClass low_pass = lsi("low-pass", "First-order filter: follows its input with a time constant (backward Euler).", {in("in")}, {out("out")}, nullptr);
+  LsiClass low_pass =
+      lsi("low-pass", "First-order filter: follows its input with a time constant (backward Euler).", {in("in")}, {out("out")}, nullptr);
   low_pass.parameters = {number("time", 0.1, "Time constant.", 0, 1e6, "s"), number("initial", 0, "Value at the start.")};
   low_pass.configure = [](Setup& s) { s.set_state(sizeof(double)); };
   low_pass.init = [](const Call* c) -> std::int32_t {
@@ -151,22 +153,25 @@ void add_scalar_dynamics(Library& library) {
 
 void add_vector_parts(Library& library) {
   constexpr PinTypeId vector = PinTypeId::vector;
-  library.add(lsi("make vector", "A vector from its components.", {in("x"), in("y"), in("z")}, {out("out", vector)}, [](const Call* c) -> std::int32_t {
-    for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = *input(c, i);
-    return 0;
-  }));
-  library.add(lsi("split vector", "The components of a vector.", {in("in", vector)}, {out("x"), out("y"), out("z")}, [](const Call* c) -> std::int32_t {
-    for (std::size_t i = 0; i < 3; ++i) *output(c, i) = input(c, 0)[i];
-    return 0;
-  }));
+  library.add(lsi("make vector", "A vector from its components.", {in("x"), in("y"), in("z")}, {out("out", vector)},
+                  [](const Call* c) -> std::int32_t {
+                    for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = *input(c, i);
+                    return 0;
+                  }));
+  library.add(lsi("split vector", "The components of a vector.", {in("in", vector)}, {out("x"), out("y"), out("z")},
+                  [](const Call* c) -> std::int32_t {
+                    for (std::size_t i = 0; i < 3; ++i) *output(c, i) = input(c, 0)[i];
+                    return 0;
+                  }));
   library.add(lsi("add vectors", "a + b.", {in("a", vector), in("b", vector)}, {out("out", vector)}, [](const Call* c) -> std::int32_t {
     for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = input(c, 0)[i] + input(c, 1)[i];
     return 0;
   }));
-  library.add(lsi("scale vector", "A vector times a number.", {in("in", vector), in("factor")}, {out("out", vector)}, [](const Call* c) -> std::int32_t {
-    for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = input(c, 0)[i] * *input(c, 1);
-    return 0;
-  }));
+  library.add(lsi("scale vector", "A vector times a number.", {in("in", vector), in("factor")}, {out("out", vector)},
+                  [](const Call* c) -> std::int32_t {
+                    for (std::size_t i = 0; i < 3; ++i) output(c, 0)[i] = input(c, 0)[i] * *input(c, 1);
+                    return 0;
+                  }));
 }
 
 /// "delay" for scalars, "delay vector", ...: the value of the tick before. Sized types take their size from the input, or from
@@ -186,7 +191,8 @@ void add_delays(Library& library) {
         const double given = s.number("count");
         const Shape from = s.in(0);
         if (given > 0 && from.count > 0 && static_cast<double>(from.count) != given)
-          s.fail(ErrorCode::structure, "Its input has " + std::to_string(from.count) + " elements, its parameter 'count' says otherwise.", "Set 'count' to 0 or to that number.");
+          s.fail(ErrorCode::structure, "Its input has " + std::to_string(from.count) + " elements, its parameter 'count' says otherwise.",
+                 "Set 'count' to 0 or to that number.");
         s.set_out(0, given > 0 ? static_cast<std::uint32_t>(given) : from.count, from.subject);
       };
     }
@@ -214,12 +220,32 @@ void add_delays(Library& library) {
       // The size of an element is not part of a call; each pin type has its own function.
       c.advance = [&]() -> StepFunction {
         switch (type.id) {
-          case PinTypeId::vector: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 24); return 0; };
-          case PinTypeId::rotation: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 32); return 0; };
-          case PinTypeId::pose: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 56); return 0; };
+          case PinTypeId::vector:
+            return [](const Call* call) -> std::int32_t {
+              std::memcpy(call->out[0], call->in[0], 24);
+              return 0;
+            };
+          case PinTypeId::rotation:
+            return [](const Call* call) -> std::int32_t {
+              std::memcpy(call->out[0], call->in[0], 32);
+              return 0;
+            };
+          case PinTypeId::pose:
+            return [](const Call* call) -> std::int32_t {
+              std::memcpy(call->out[0], call->in[0], 56);
+              return 0;
+            };
           case PinTypeId::contacts:
-          case PinTypeId::event: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 8 + 128 * std::size_t{call->out_count[0]}); return 0; };
-          default: return [](const Call* call) -> std::int32_t { std::memcpy(call->out[0], call->in[0], 8 * std::size_t{call->out_count[0]}); return 0; };
+          case PinTypeId::event:
+            return [](const Call* call) -> std::int32_t {
+              std::memcpy(call->out[0], call->in[0], 8 + 128 * std::size_t{call->out_count[0]});
+              return 0;
+            };
+          default:
+            return [](const Call* call) -> std::int32_t {
+              std::memcpy(call->out[0], call->in[0], 8 * std::size_t{call->out_count[0]});
+              return 0;
+            };
         }
       }();
     }

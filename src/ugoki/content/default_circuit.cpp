@@ -7,7 +7,8 @@ namespace ugoki::content {
 std::string default_circuit(const Scenario& scenario) {
   std::vector<lsi::CircuitCharacter> characters;
   for (const ScenarioCharacter& c : scenario.characters)
-    characters.push_back({c.id, c.control.mode == ControlMode::track && !c.track.empty(), c.control.tracking, c.control.balance, c.control.assist_limit});
+    characters.push_back(
+        {c.id, c.control.mode == ControlMode::track && !c.track.empty(), c.control.tracking, c.control.balance, c.control.assist_limit});
   return circuit::write_circuit(lsi::make_execution_circuit(characters, scenario.step));
 }
 

@@ -20,22 +20,22 @@ struct DisplayPose {
 
 struct DisplayCharacter {
   FigureState state = FigureState::passive;
-  Vec3 assist_force;         ///< N, world
-  Vec3 assist_moment;        ///< N m, world, about the root link's origin
-  double assist_ratio = 0;   ///< wanted assist / cap
-  double weight = 0;         ///< N
-  Vec3 centre_of_mass;       ///< m
+  Vec3 assist_force;        ///< N, world
+  Vec3 assist_moment;       ///< N m, world, about the root link's origin
+  double assist_ratio = 0;  ///< wanted assist / cap
+  double weight = 0;        ///< N
+  Vec3 centre_of_mass;      ///< m
   std::vector<DisplayPose> links;
 };
 
 struct DisplayContact {
-  Vec3 point;                ///< m, world
-  Vec3 force;                ///< N, world, on the link
+  Vec3 point;  ///< m, world
+  Vec3 force;  ///< N, world, on the link
   int character = 0, link = 0;
 };
 
 struct DisplayFrame {
-  double time = 0;           ///< s
+  double time = 0;  ///< s
   bool grabbed = false;
   Vec3 grab_point, grab_target;  ///< m, world
   std::vector<DisplayCharacter> characters;

@@ -22,10 +22,10 @@ struct Player::Machine {
   std::unique_ptr<circuit::Interpreter> interpreter;
   PinView state, contacts, events, poses, figures, measures;
   std::span<std::byte> live;
-  std::vector<PlayerInput> inputs;      // given so far
-  std::vector<PlayerInput> scheduled;   // by step
+  std::vector<PlayerInput> inputs;     // given so far
+  std::vector<PlayerInput> scheduled;  // by step
   std::size_t next_scheduled = 0;
-  bool displayed = false;               // display has run since the last step
+  bool displayed = false;  // display has run since the last step
 
   [[nodiscard]] bool is_link(int character, int link) const {
     return character >= 0 && character < static_cast<int>(world->characters().size()) && link >= 0 &&
@@ -69,7 +69,8 @@ lsi::World make_world(const Executable& content) {
     }
     events.push_back(event);
   }
-  return lsi::World(std::move(characters), std::move(events), content.gravity, {content.ground.height, content.ground.friction, content.ground.restitution});
+  return lsi::World(std::move(characters), std::move(events), content.gravity,
+                    {content.ground.height, content.ground.friction, content.ground.restitution});
 }
 
 /// The circuit's output that the player needs, of this type and size.
@@ -78,7 +79,8 @@ PinView find_pin(const circuit::Interpreter& interpreter, const char* name, PinT
   if (view && view->type == type && view->count == count) return *view;
   const std::string wanted = "'" + std::string(name) + "' (" + std::string(circuit::pin_type(type).name) + ")";
   problems.add(ErrorCode::structure, "circuit/outputs",
-               view ? "The circuit's output " + wanted + " does not have the form that the player needs." : "The circuit has no output " + wanted + ".",
+               view ? "The circuit's output " + wanted + " does not have the form that the player needs."
+                    : "The circuit has no output " + wanted + ".",
                "Give it the outputs of the default circuit: see docs/circuit.md.");
   return {};
 }
@@ -94,7 +96,8 @@ Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view nam
   Result<circuit::Circuit> circuit = circuit::read_circuit(m.content.circuit, std::string(name) + ", section circuit");
   if (!circuit) return fail(std::move(circuit.error()));
   m.world = std::make_unique<lsi::World>(make_world(m.content));
-  Result<circuit::Interpreter> interpreter = circuit::Interpreter::build(*circuit, lsi::standard_library(), m.world.get(), {.dt = m.content.step, .check_finite = true});
+  Result<circuit::Interpreter> interpreter =
+      circuit::Interpreter::build(*circuit, lsi::standard_library(), m.world.get(), {.dt = m.content.step, .check_finite = true});
   if (!interpreter) return fail(std::move(interpreter.error()));
   m.interpreter = std::make_unique<circuit::Interpreter>(std::move(*interpreter));
 
@@ -109,7 +112,8 @@ Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view nam
   m.measures = find_pin(i, "measures", PinTypeId::joint_values, lsi::World::payload_count(people * lsi::measure_count), problems);
   m.live = m.interpreter->find_circuit_input("live");
   if (m.live.size() != sizeof(std::uint64_t) + most_live * sizeof(EventRecord))
-    problems.add(ErrorCode::structure, "circuit/inputs", "The circuit has no input 'live' (event).", "Give it the input of the default circuit: see docs/circuit.md.");
+    problems.add(ErrorCode::structure, "circuit/inputs", "The circuit has no input 'live' (event).",
+                 "Give it the input of the default circuit: see docs/circuit.md.");
   if (!problems.empty()) return fail(std::move(problems));
   m.inputs.reserve(1024);
   return Player(std::move(machine));
@@ -237,8 +241,12 @@ std::uint64_t Player::state_hash() const {
   return hash.value();
 }
 
-std::span<const double> Player::q(int character) const { return lsi::q_of(machine_->world->characters()[static_cast<std::size_t>(character)], machine_->state.numbers().data()); }
-std::span<const double> Player::v(int character) const { return lsi::v_of(machine_->world->characters()[static_cast<std::size_t>(character)], machine_->state.numbers().data()); }
+std::span<const double> Player::q(int character) const {
+  return lsi::q_of(machine_->world->characters()[static_cast<std::size_t>(character)], machine_->state.numbers().data());
+}
+std::span<const double> Player::v(int character) const {
+  return lsi::v_of(machine_->world->characters()[static_cast<std::size_t>(character)], machine_->state.numbers().data());
+}
 
 void Player::save(std::vector<std::byte>& bytes) { machine_->interpreter->save(bytes); }
 

@@ -24,17 +24,17 @@ struct PlayerInput {
 
 /// How natural a character has moved since the start. Zeros for passive characters.
 struct PlayerMeasures {
-  double tracking_rms_deg = 0;        ///< joints against reference, while it tracks
-  double assist_rms_bw = 0;           ///< root assist in body weights (moments count at the lever of the root's height)
-  double assist_force_rms_bw = 0;     ///< its force alone
+  double tracking_rms_deg = 0;     ///< joints against reference, while it tracks
+  double assist_rms_bw = 0;        ///< root assist in body weights (moments count at the lever of the root's height)
+  double assist_force_rms_bw = 0;  ///< its force alone
   double assist_max_bw = 0;
-  double foot_skate_cm = 0;           ///< mean path of a standing foot
+  double foot_skate_cm = 0;  ///< mean path of a standing foot
   double foot_skate_worst_cm = 0;
-  double penetration_mm = 0;          ///< worst depth in the ground
+  double penetration_mm = 0;  ///< worst depth in the ground
   double penetration_rms_mm = 0;
   bool fell = false;
-  double let_go_time = -1;            ///< s; -1: it has not let go
-  int feet_on_ground = -1;            ///< now; -1: it has no feet
+  double let_go_time = -1;  ///< s; -1: it has not let go
+  int feet_on_ground = -1;  ///< now; -1: it has no feet
 };
 
 class Player {
@@ -49,13 +49,13 @@ class Player {
 
   [[nodiscard]] const Executable& content() const;
   [[nodiscard]] const lsi::World& world() const;
-  [[nodiscard]] double step_size() const;            ///< s
+  [[nodiscard]] double step_size() const;  ///< s
 
   /// One step. An error names LSI, body, joint and time; the last good state stays, and further steps give the same error
   /// until restore or reset. Allocates nothing.
   [[nodiscard]] Result<void> step();
-  [[nodiscard]] std::uint64_t step_count() const;    ///< done since time 0
-  [[nodiscard]] double time() const;                 ///< s
+  [[nodiscard]] std::uint64_t step_count() const;  ///< done since time 0
+  [[nodiscard]] double time() const;               ///< s
   /// Back to time 0, inputs forgotten.
   void reset();
 

@@ -41,7 +41,8 @@ Result<Ugx> read_ugx(std::span<const std::byte> file) {
   const char* again = "Generate it anew from its project.";
   if (file.size() < header_size) return fail(ErrorCode::truncated, "executable data", "The file is too short to hold a header.", again);
   if (std::memcmp(file.data(), magic, sizeof magic) != 0)
-    return fail(ErrorCode::syntax, "executable data", "The file is not Ugoki executable data (*.ugx).", "Give a file made by the generator.");
+    return fail(ErrorCode::syntax, "executable data", "The file is not Ugoki executable data (*.ugx).",
+                "Give a file made by the generator.");
   const auto version = load<std::uint32_t>(file, 8);
   if (version != ugx_version)
     return fail(ErrorCode::unsupported, "executable data",

@@ -13,7 +13,7 @@ struct Collision {
   const World* world;
   collision::Scene scene;
   collision::Workspace workspace;
-  std::vector<std::vector<Pose>> poses;           // [characters][links]
+  std::vector<std::vector<Pose>> poses;  // [characters][links]
   std::vector<std::span<const Pose>> views;
   std::vector<collision::ContactPoint> contacts;
   double margin;
@@ -21,11 +21,13 @@ struct Collision {
 
 std::int32_t step(const Call* call) {
   auto& self = object_of<Collision>(call);
-  for (const Character& c : self.world->characters()) calc_poses(*c.mechanism, q_of(c, circuit::input(call, 0)), self.poses[static_cast<std::size_t>(c.index)]);
+  for (const Character& c : self.world->characters())
+    calc_poses(*c.mechanism, q_of(c, circuit::input(call, 0)), self.poses[static_cast<std::size_t>(c.index)]);
   collision::find_contacts(self.scene, self.views, self.margin, self.workspace, self.contacts);
   const std::size_t room = call->out_count[0];
   if (self.contacts.size() > room) {  // the nearest ones, in an order that depends on nothing else
-    std::sort(self.contacts.begin(), self.contacts.end(), [](const auto& a, const auto& b) { return a.distance != b.distance ? a.distance < b.distance : a.key < b.key; });
+    std::sort(self.contacts.begin(), self.contacts.end(),
+              [](const auto& a, const auto& b) { return a.distance != b.distance ? a.distance < b.distance : a.key < b.key; });
     self.contacts.resize(room);
   }
   auto* out = record_room<ContactRecord>(call->out[0]);

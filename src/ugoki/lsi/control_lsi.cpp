@@ -77,7 +77,10 @@ void* make(Setup& s) {
   options.root_frequency = s.number("root frequency");
   options.patience = s.number("patience");
   options.gravity = world->gravity();
-  auto* self = new Control{character, reference_layout(*character->mechanism, character->feet.size()), control::MotionControl(character->mechanism, options), {}};
+  auto* self = new Control{character,
+                           reference_layout(*character->mechanism, character->feet.size()),
+                           control::MotionControl(character->mechanism, options),
+                           {}};
   self->contacts.reserve(world->contact_capacity());
   return self;
 }
@@ -88,20 +91,27 @@ void add_control(circuit::Library& library) {
   const control::ControlOptions usual;
   circuit::LsiClass c;
   c.name = "motion control";
-  c.doc = "Joint torques that make a character follow its reference on its own feet, and the root assist that is still missing. Beyond the assist's limit it lets go.";
-  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."), input_pin("reference", PinTypeId::motion, "", "What the character shall do now."),
+  c.doc =
+      "Joint torques that make a character follow its reference on its own feet, and the root assist that is still missing. Beyond the "
+      "assist's limit it lets go.";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
+              input_pin("reference", PinTypeId::motion, "", "What the character shall do now."),
               input_pin("contacts", PinTypeId::contacts, "", "Where it touches the ground.")};
-  c.outputs = {output_pin("torque", PinTypeId::joint_values, "N m, N", "For all freedoms: forces (on the root's freedoms: the root assist), then servo gains, then servo velocities."),
+  c.outputs = {output_pin("torque", PinTypeId::joint_values, "N m, N",
+                          "For all freedoms: forces (on the root's freedoms: the root assist), then servo gains, then servo velocities."),
                output_pin("assist force", PinTypeId::vector, "N", "Force of the root assist, world axes."),
                output_pin("assist moment", PinTypeId::vector, "N m", "Its moment about the root link's origin."),
-               output_pin("report", PinTypeId::joint_values, "", "Root assist in ten numbers: force, moment, wanted/cap, size in body weights, let go, force in body weights.")};
-  c.parameters = {character_parameter(),
-                  number_parameter("tracking", usual.tracking, 0, 2, "", "Factor on the joints' gains."),
-                  number_parameter("balance", usual.balance, 0, 2, "", "Factor on the root's gains."),
-                  number_parameter("assist limit", usual.assist_limit, 0, 10, "body weights", "Cap of the root assist; beyond it the character lets go."),
-                  number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "How fast an error of a joint decays."),
-                  number_parameter("root frequency", usual.root_frequency, 0, 500, "rad/s", "The same for the root and for joints that bear it."),
-                  number_parameter("patience", usual.patience, 0.001, 100, "s", "How long too much assist is put up with.")};
+               output_pin("report", PinTypeId::joint_values, "",
+                          "Root assist in ten numbers: force, moment, wanted/cap, size in body weights, let go, force in body weights.")};
+  c.parameters = {
+      character_parameter(),
+      number_parameter("tracking", usual.tracking, 0, 2, "", "Factor on the joints' gains."),
+      number_parameter("balance", usual.balance, 0, 2, "", "Factor on the root's gains."),
+      number_parameter("assist limit", usual.assist_limit, 0, 10, "body weights",
+                       "Cap of the root assist; beyond it the character lets go."),
+      number_parameter("joint frequency", usual.joint_frequency, 0, 500, "rad/s", "How fast an error of a joint decays."),
+      number_parameter("root frequency", usual.root_frequency, 0, 500, "rad/s", "The same for the root and for joints that bear it."),
+      number_parameter("patience", usual.patience, 0.001, 100, "s", "How long too much assist is put up with.")};
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;

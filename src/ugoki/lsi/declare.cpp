@@ -50,7 +50,8 @@ void check_subject(Setup& setup, std::size_t pin, const std::string& pin_name, c
   if (shape.count == 0 || shape.subject < 0 || shape.subject == character.index) return;
   const World* world = world_of(setup);
   const std::string other = world ? world->characters()[static_cast<std::size_t>(shape.subject)].id : std::string();
-  setup.fail(ErrorCode::structure, "What is wired to '" + setup.id() + "." + pin_name + "' is about '" + other + "', the LSI about '" + character.id + "'.",
+  setup.fail(ErrorCode::structure,
+             "What is wired to '" + setup.id() + "." + pin_name + "' is about '" + other + "', the LSI about '" + character.id + "'.",
              "Wire the same character's LSIs to each other.");
 }
 

@@ -16,7 +16,8 @@ using circuit::Setup;
 
 [[nodiscard]] circuit::InputPin input_pin(std::string name, PinTypeId type, std::string unit, std::string doc);
 [[nodiscard]] circuit::OutputPin output_pin(std::string name, PinTypeId type, std::string unit, std::string doc);
-[[nodiscard]] circuit::Parameter number_parameter(std::string name, double initial, double minimum, double maximum, std::string unit, std::string doc);
+[[nodiscard]] circuit::Parameter number_parameter(std::string name, double initial, double minimum, double maximum, std::string unit,
+                                                  std::string doc);
 /// The parameter `character`, by which an LSI knows whom it is about.
 [[nodiscard]] circuit::Parameter character_parameter();
 

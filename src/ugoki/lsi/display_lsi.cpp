@@ -10,7 +10,7 @@ enum Input : std::size_t { in_state, in_reports, in_measures };
 
 struct Display {
   const World* world;
-  std::vector<std::vector<Pose>> poses;  // [characters][links]
+  std::vector<std::vector<Pose>> poses;        // [characters][links]
   std::vector<int> report_wire, measure_wire;  // [characters] -1: none
 };
 
@@ -53,7 +53,8 @@ std::vector<int> wires_by_character(Setup& s, std::size_t pin, std::size_t first
   for (std::size_t k = 0; k < s.wires(pin); ++k) {
     const circuit::Shape shape = s.in(pin, k);
     if (shape.subject < 0 || shape.count != count) {
-      s.fail(ErrorCode::structure, "A wire into '" + s.id() + "' does not hold what is expected of one character.", "Wire the report of a motion control and the measures of a naturalness LSI.");
+      s.fail(ErrorCode::structure, "A wire into '" + s.id() + "' does not hold what is expected of one character.",
+             "Wire the report of a motion control and the measures of a naturalness LSI.");
     } else {
       wires[static_cast<std::size_t>(shape.subject)] = static_cast<int>(first + k);
     }
@@ -63,7 +64,10 @@ std::vector<int> wires_by_character(Setup& s, std::size_t pin, std::size_t first
 
 void* make(Setup& s) {
   const World* world = world_of(s);
-  auto* self = new Display{world, {}, wires_by_character(s, in_reports, in_reports, report_count, *world), wires_by_character(s, in_measures, in_reports + s.wires(in_reports), measure_count, *world)};
+  auto* self = new Display{world,
+                           {},
+                           wires_by_character(s, in_reports, in_reports, report_count, *world),
+                           wires_by_character(s, in_measures, in_reports + s.wires(in_reports), measure_count, *world)};
   for (const Character& c : world->characters()) self->poses.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
   return self;
 }
@@ -74,13 +78,15 @@ void add_display(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "display";
   c.doc = "Poses of all links, and what viewers show of each character. Set \"every\" to 0: it runs when a frame is asked for.";
-  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."), input_pin("reports", PinTypeId::joint_values, "", "Reports of the motion controls."),
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
+              input_pin("reports", PinTypeId::joint_values, "", "Reports of the motion controls."),
               input_pin("measures", PinTypeId::joint_values, "", "Measures of naturalness.")};
   for (const std::size_t pin : {std::size_t{in_reports}, std::size_t{in_measures}}) {
     c.inputs[pin].required = false;
     c.inputs[pin].multiple = true;
   }
-  c.outputs = {output_pin("poses", PinTypeId::pose, "m", "Of every link of every character, world."), output_pin("figures", PinTypeId::joint_values, "", "Twelve numbers for each character."),
+  c.outputs = {output_pin("poses", PinTypeId::pose, "m", "Of every link of every character, world."),
+               output_pin("figures", PinTypeId::joint_values, "", "Twelve numbers for each character."),
                output_pin("measures", PinTypeId::joint_values, "", "Eleven numbers for each character.")};
   c.configure = [](Setup& s) {
     const World* world = world_of(s);

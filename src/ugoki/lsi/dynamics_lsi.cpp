@@ -14,10 +14,10 @@ enum Input : std::size_t { in_state, in_contacts, in_events, in_torque };
 struct Dynamics {
   const World* world;
   Stepper stepper;
-  std::vector<dynamics::Workspace> scratch;         // [characters] for pulls
-  std::vector<std::vector<Vec6>> external;          // [characters][links]
-  std::vector<std::vector<double>> no_torque;       // [characters][nv]
-  std::vector<int> torque_wire;                     // [characters] -1: none
+  std::vector<dynamics::Workspace> scratch;    // [characters] for pulls
+  std::vector<std::vector<Vec6>> external;     // [characters][links]
+  std::vector<std::vector<double>> no_torque;  // [characters][nv]
+  std::vector<int> torque_wire;                // [characters] -1: none
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
 };
@@ -56,7 +56,9 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
   const Character& c = self.world->characters()[static_cast<std::size_t>(report.system)];
   const Link& link = c.mechanism->link(c.mechanism->link_of_freedom(report.freedom));
   const std::string joint = "the joint of '" + link.name + "' of '" + c.id + "'";
-  return circuit::stop(call, report.status == contact::StepStatus::singular ? "Nothing resists motion at " + joint + ": its inertia is not positive." : "The velocity at " + joint + " has blown up.");
+  return circuit::stop(call, report.status == contact::StepStatus::singular
+                                 ? "Nothing resists motion at " + joint + ": its inertia is not positive."
+                                 : "The velocity at " + joint + " has blown up.");
 }
 
 std::int32_t step(const Call* call) {
@@ -103,9 +105,12 @@ void configure(Setup& s) {
     const Character* c = shape.subject >= 0 ? &world->characters()[static_cast<std::size_t>(shape.subject)] : nullptr;
     const std::uint32_t nv = c ? static_cast<std::uint32_t>(c->mechanism->nv()) : 0;
     if (!c || (shape.count != nv && shape.count != 3 * nv)) {
-      s.fail(ErrorCode::structure, "Wire " + std::to_string(k) + " into '" + s.id() + ".torque' does not hold the torques of one character.", "Wire the torque of a motion control.");
+      s.fail(ErrorCode::structure,
+             "Wire " + std::to_string(k) + " into '" + s.id() + ".torque' does not hold the torques of one character.",
+             "Wire the torque of a motion control.");
     } else if (++wires[static_cast<std::size_t>(c->index)] > 1) {
-      s.fail(ErrorCode::structure, "Two wires into '" + s.id() + ".torque' are about '" + c->id + "'.", "Remove one, or add them up before.");
+      s.fail(ErrorCode::structure, "Two wires into '" + s.id() + ".torque' are about '" + c->id + "'.",
+             "Remove one, or add them up before.");
     }
   }
 }
@@ -123,7 +128,8 @@ void* make(Setup& s) {
     self->no_torque.emplace_back(static_cast<std::size_t>(c.mechanism->nv()));
     self->torque_wire.push_back(-1);
   }
-  for (std::size_t k = 0; k < s.wires(in_torque); ++k) self->torque_wire[static_cast<std::size_t>(s.in(in_torque, k).subject)] = static_cast<int>(in_torque + k);
+  for (std::size_t k = 0; k < s.wires(in_torque); ++k)
+    self->torque_wire[static_cast<std::size_t>(s.in(in_torque, k).subject)] = static_cast<int>(in_torque + k);
   self->contacts.reserve(world->contact_capacity());
   self->systems.resize(world->characters().size());
   return self;
@@ -144,13 +150,19 @@ void add_dynamics(circuit::Library& library) {
   const contact::StepperOptions usual;
   circuit::LsiClass c;
   c.name = "dynamics";
-  c.doc = "General-purpose dynamics: moves every character on by one step under torques, gravity, contact, friction, joint limits, pushes and pulls.";
-  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."), input_pin("contacts", PinTypeId::contacts, "", "Contact points now."),
-              input_pin("events", PinTypeId::event, "", "Pushes and pulls."), input_pin("torque", PinTypeId::joint_values, "N m, N", "Forces on the freedoms of characters, alone or with servo gains and velocities, one wire each; others move passively.")};
+  c.doc =
+      "General-purpose dynamics: moves every character on by one step under torques, gravity, contact, friction, joint limits, pushes and "
+      "pulls.";
+  c.inputs = {
+      input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
+      input_pin("contacts", PinTypeId::contacts, "", "Contact points now."), input_pin("events", PinTypeId::event, "", "Pushes and pulls."),
+      input_pin("torque", PinTypeId::joint_values, "N m, N",
+                "Forces on the freedoms of characters, alone or with servo gains and velocities, one wire each; others move passively.")};
   c.inputs[in_events].required = false;
   c.inputs[in_torque].required = false;
   c.inputs[in_torque].multiple = true;
-  c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."), output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces.")};
+  c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
+               output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces.")};
   c.parameters = {number_parameter("iterations", usual.iterations, 1, 10000, "", "Greatest number of sweeps over the contacts."),
                   number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes more.")};
   c.parameters[0].kind = circuit::ParameterKind::integer;

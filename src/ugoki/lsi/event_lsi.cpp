@@ -22,9 +22,34 @@ struct EventState {
   Lasting now, next;
 };
 
-/// A push of the scenario acts on whole ticks: as many as fit its duration best, from the first at or after its time.
-std::uint64_t first_tick(double time, double dt) { return static_cast<std::uint64_t>(std::max(0.0, std::ceil(time / dt - 1e-6))); }
-std::uint64_t tick_count(double duration, double dt) { return static_cast<std::uint64_t>(std::max(1.0, std::floor(duration / dt + 0.5))); }
+/// A push acts on whole ticks: as many as fit its duration best, from the first at or after its time.
+std::uint64_t first_tick(double time, double dt) { return static_cast<std::uint64_t>(std::clamp(std::ceil(time / dt - 1e-6), 0.0, 1e15)); }
+std::uint64_t tick_count(double duration, double dt) {
+  return static_cast<std::uint64_t>(std::clamp(std::floor(duration / dt + 0.5), 1.0, 1e15));
+}
+
+/// The scenario's events in ticks: [first, end).
+struct Schedule {
+  struct Entry {
+    std::uint64_t first, end;
+    EventRecord record;
+  };
+  std::vector<Entry> entries;
+};
+
+void* make(Setup& s) {
+  auto* schedule = new Schedule;
+  for (const ScheduledEvent& e : world_of(s)->events()) {
+    std::uint64_t first = first_tick(e.time, s.dt());
+    std::uint64_t count = tick_count(e.duration, s.dt());
+    if (e.record.kind == EventKind::throwing) {  // shows at the end of the tick before
+      first = std::max<std::uint64_t>(first, 1) - 1;
+      count = 1;
+    }
+    schedule->entries.push_back({first, first + count, e.record});
+  }
+  return schedule;
+}
 
 class Output {
  public:
@@ -67,19 +92,11 @@ void take_live(const Call* call, Lasting& next) {
 
 std::int32_t step(const Call* call) {
   auto& state = *static_cast<EventState*>(call->state);
-  const World& world = *static_cast<const World*>(call->object);
   const std::uint64_t index = call->tick->index;
-  const double dt = call->tick->dt;
   Output out(call);
   bool fits = true;
-  for (const ScheduledEvent& e : world.events()) {
-    const std::uint64_t first = first_tick(e.time, dt);
-    if (e.record.kind == EventKind::push) {
-      if (index >= first && index < first + tick_count(e.duration, dt)) fits &= out.add(e.record);
-    } else if (index + 1 == std::max<std::uint64_t>(first, 1)) {  // shows at the end of the tick
-      fits &= out.add(e.record);
-    }
-  }
+  for (const Schedule::Entry& e : object_of<Schedule>(call).entries)
+    if (index >= e.first && index < e.end) fits &= out.add(e.record);
   Lasting& next = state.next = state.now;
   take_live(call, next);
   for (const EventRecord& e : records<EventRecord>(call->in[0]))
@@ -106,8 +123,11 @@ void add_event(circuit::Library& library) {
   c.inputs = {input_pin("live", PinTypeId::event, "", "Inputs by hand that arrived before this tick.")};
   c.inputs[0].required = false;
   c.outputs = {output_pin("events", PinTypeId::event, "", "Everything that acts during this tick.")};
-  c.configure = [](Setup& s) { s.set_state(sizeof(EventState)); };
-  c.make = [](Setup& s) -> void* { return const_cast<World*>(world_of(s)); };  // only read; the world outlives the circuit
+  c.configure = [](Setup& s) {
+    if (world_of(s)) s.set_state(sizeof(EventState));
+  };
+  c.make = make;
+  c.destroy = destroy<Schedule>;
   c.step = step;
   c.advance = [](const Call* call) -> std::int32_t {
     auto& state = *static_cast<EventState*>(call->state);

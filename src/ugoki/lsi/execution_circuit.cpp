@@ -13,7 +13,7 @@ using circuit::Instance;
 using circuit::NamedValue;
 using circuit::PinTypeId;
 
-constexpr double measure_rate = 120;  // Hz
+constexpr double measure_rate = 120;       // Hz
 constexpr double column = 240, row = 320;  // distance of LSIs in the editor
 
 /// The character's id as part of an id in the circuit, where points separate pins.
@@ -44,9 +44,12 @@ class Maker {
     c_.name = "execution";
     c_.doc = "One tick: what happens, what each character shall do, torques, contact, dynamics, the new state.";
     c_.inputs = {pin("live", PinTypeId::event, "Inputs by hand.", "event.live")};
-    c_.outputs = {pin("state", PinTypeId::state, "Positions and velocities.", "status.state"), pin("contacts", PinTypeId::contacts, "With forces.", "dynamics.contacts"),
-                  pin("events", PinTypeId::event, "What acts now.", "event.events"), pin("poses", PinTypeId::pose, "Of all links.", "display.poses"),
-                  pin("figures", PinTypeId::joint_values, "For viewers.", "display.figures"), pin("measures", PinTypeId::joint_values, "Of naturalness.", "display.measures")};
+    c_.outputs = {pin("state", PinTypeId::state, "Positions and velocities.", "status.state"),
+                  pin("contacts", PinTypeId::contacts, "With forces.", "dynamics.contacts"),
+                  pin("events", PinTypeId::event, "What acts now.", "event.events"),
+                  pin("poses", PinTypeId::pose, "Of all links.", "display.poses"),
+                  pin("figures", PinTypeId::joint_values, "For viewers.", "display.figures"),
+                  pin("measures", PinTypeId::joint_values, "Of naturalness.", "display.measures")};
   }
 
   void add_figure(const CircuitCharacter& who, std::size_t index) {
@@ -55,7 +58,8 @@ class Maker {
     const NamedValue character{"character", who.id};
     add("retrieval-" + part, "motion retrieval", 2, y - 140).parameters = {character};
     add("interpolation-" + part, "interpolation", 3, y - 140).parameters = {character};
-    add("control-" + part, "motion control", 4, y - 70).parameters = {character, {"tracking", who.tracking}, {"balance", who.balance}, {"assist limit", who.assist_limit}};
+    add("control-" + part, "motion control", 4, y - 70).parameters = {
+        character, {"tracking", who.tracking}, {"balance", who.balance}, {"assist limit", who.assist_limit}};
     Instance& naturalness = add("naturalness-" + part, "naturalness", 5, y + 70);
     naturalness.parameters = {character};
     naturalness.every = every_;
@@ -74,7 +78,9 @@ class Maker {
   Circuit take() { return std::move(c_); }
 
  private:
-  static BoundaryPin pin(std::string name, PinTypeId type, std::string doc, std::string end) { return {std::move(name), type, "", std::move(doc), {std::move(end)}}; }
+  static BoundaryPin pin(std::string name, PinTypeId type, std::string doc, std::string end) {
+    return {std::move(name), type, "", std::move(doc), {std::move(end)}};
+  }
   Instance& add(std::string id, std::string type, int at_column, double y) {
     Instance lsi;
     lsi.id = std::move(id);

@@ -10,7 +10,7 @@ namespace ugoki::lsi {
 
 struct CircuitCharacter {
   std::string id;
-  bool follows_track = false;   ///< false: it moves passively
+  bool follows_track = false;  ///< false: it moves passively
   double tracking = 1, balance = 1, assist_limit = 0.5;
 };
 

@@ -14,7 +14,8 @@ std::int32_t step(const Call* call) {
   if (blend[0] >= 1) {
     std::memcpy(circuit::output(call, 0), circuit::input(call, 0), size * sizeof(double));
   } else {
-    blend_references(*character.mechanism, layout, {circuit::input(call, 1), size}, {circuit::input(call, 0), size}, {blend[0], blend[1], blend[2]}, {circuit::output(call, 0), size});
+    blend_references(*character.mechanism, layout, {circuit::input(call, 1), size}, {circuit::input(call, 0), size},
+                     {blend[0], blend[1], blend[2]}, {circuit::output(call, 0), size});
   }
   return 0;
 }
@@ -25,7 +26,8 @@ void add_interpolation(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "interpolation";
   c.doc = "Blends two references into one, along great arcs and with the velocities and accelerations that belong to it.";
-  c.inputs = {input_pin("current", PinTypeId::motion, "", "The reference that takes over."), input_pin("previous", PinTypeId::motion, "", "The reference that fades."),
+  c.inputs = {input_pin("current", PinTypeId::motion, "", "The reference that takes over."),
+              input_pin("previous", PinTypeId::motion, "", "The reference that fades."),
               input_pin("blend", PinTypeId::vector, "1, 1/s, 1/s^2", "Weight of the current one, its rate and its acceleration.")};
   c.outputs = {output_pin("reference", PinTypeId::motion, "", "What the character shall do now: q, v, a, stance.")};
   c.parameters = {character_parameter()};
@@ -35,7 +37,9 @@ void add_interpolation(circuit::Library& library) {
     const auto size = static_cast<std::uint32_t>(reference_layout(*character->mechanism, character->feet.size()).size());
     for (const std::size_t pin : {std::size_t{0}, std::size_t{1}}) {
       check_subject(s, pin, pin == 0 ? "current" : "previous", *character);
-      if (s.in(pin).count != 0 && s.in(pin).count != size) s.fail(ErrorCode::structure, "A reference of '" + character->id + "' has " + std::to_string(size) + " numbers.", "Wire one that is about it.");
+      if (s.in(pin).count != 0 && s.in(pin).count != size)
+        s.fail(ErrorCode::structure, "A reference of '" + character->id + "' has " + std::to_string(size) + " numbers.",
+               "Wire one that is about it.");
     }
     s.set_out(0, size, character->index);
   };

@@ -26,13 +26,13 @@ struct Naturalness {
   ReferenceLayout layout;
   FootSkate skate;
   GroundPenetration penetration;
-  std::vector<Pose> poses;          // [links]
-  std::vector<std::uint8_t> stance; // [feet]
-  std::vector<double> error;        // [nv]
-  std::vector<int> foot_of_link;    // [links] which foot (toes and heel are one), -1
-  std::vector<std::uint8_t> bears;  // [feet]
+  std::vector<Pose> poses;           // [links]
+  std::vector<std::uint8_t> stance;  // [feet]
+  std::vector<double> error;         // [nv]
+  std::vector<int> foot_of_link;     // [links] which foot (toes and heel are one), -1
+  std::vector<std::uint8_t> bears;   // [feet]
   int foot_count = 0;
-  double upright = 0;               // m: height of the root in the neutral position above the lowest foot
+  double upright = 0;  // m: height of the root in the neutral position above the lowest foot
 };
 
 /// Squared angle between joints and reference, summed over the joints that turn. @param count joints
@@ -118,7 +118,17 @@ std::int32_t advance(const Call* call) {
 void* make(Setup& s) {
   const Character& c = *character_of(s);
   const Mechanism& m = *c.mechanism;
-  auto* self = new Naturalness{&c, reference_layout(m, c.feet.size()), FootSkate(m, c.feet), GroundPenetration(m, world_of(s)->ground().height), {}, {}, {}, {}, {}, 0, 0};
+  auto* self = new Naturalness{&c,
+                               reference_layout(m, c.feet.size()),
+                               FootSkate(m, c.feet),
+                               GroundPenetration(m, world_of(s)->ground().height),
+                               {},
+                               {},
+                               {},
+                               {},
+                               {},
+                               0,
+                               0};
   self->poses.resize(static_cast<std::size_t>(m.link_count()));
   self->stance.resize(c.feet.size());
   self->error.resize(static_cast<std::size_t>(m.nv()));
@@ -169,9 +179,13 @@ std::int32_t init(const Call* call) {
 void add_naturalness(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "naturalness";
-  c.doc = "Measures, since the start: tracking error, root assist, foot skate, depth in the ground, whether it fell. Run it at about 120 Hz with \"every\".";
-  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."), input_pin("reference", PinTypeId::motion, "", "What the character shall do now."),
-              input_pin("report", PinTypeId::joint_values, "", "Report of its motion control."), input_pin("contacts", PinTypeId::contacts, "", "Contact points now.")};
+  c.doc =
+      "Measures, since the start: tracking error, root assist, foot skate, depth in the ground, whether it fell. Run it at about 120 Hz "
+      "with \"every\".";
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
+              input_pin("reference", PinTypeId::motion, "", "What the character shall do now."),
+              input_pin("report", PinTypeId::joint_values, "", "Report of its motion control."),
+              input_pin("contacts", PinTypeId::contacts, "", "Contact points now.")};
   for (circuit::InputPin& pin : c.inputs) pin.direct = false;
   c.outputs = {output_pin("measures", PinTypeId::joint_values, "", "Eleven numbers, see docs/circuit.md.")};
   c.outputs[0].delayed = true;

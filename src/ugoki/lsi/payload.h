@@ -56,39 +56,39 @@ inline void set_count(void* payload, std::uint64_t count) { std::memcpy(payload,
 
 /// Numbers of the report that motion control gives of the root assist (joint values, 10).
 enum Report : std::size_t {
-  report_force = 0,   ///< 3, N, world
-  report_moment = 3,  ///< 3, N m, world, about the root link's origin
-  report_ratio = 6,   ///< wanted / cap
-  report_size = 7,    ///< applied, body weights
-  report_let_go = 8,  ///< 1 once it has let go
+  report_force = 0,       ///< 3, N, world
+  report_moment = 3,      ///< 3, N m, world, about the root link's origin
+  report_ratio = 6,       ///< wanted / cap
+  report_size = 7,        ///< applied, body weights
+  report_let_go = 8,      ///< 1 once it has let go
   report_force_size = 9,  ///< applied force alone, body weights
   report_count = 10,
 };
 
 /// Numbers of each character in the display's `figures` (joint values).
 enum Figure : std::size_t {
-  figure_state = 0,    ///< 0 tracking, 1 let go, 2 passive
-  figure_force = 1,    ///< 3, N
-  figure_moment = 4,   ///< 3, N m
-  figure_ratio = 7,    ///< assist / cap
-  figure_weight = 8,   ///< N
-  figure_centre = 9,   ///< 3, m: centre of mass
+  figure_state = 0,   ///< 0 tracking, 1 let go, 2 passive
+  figure_force = 1,   ///< 3, N
+  figure_moment = 4,  ///< 3, N m
+  figure_ratio = 7,   ///< assist / cap
+  figure_weight = 8,  ///< N
+  figure_centre = 9,  ///< 3, m: centre of mass
   figure_count = 12,
 };
 
 /// Numbers of the naturalness measures (joint values), over the time since the start.
 enum Measure : std::size_t {
-  measure_tracking = 0,        ///< rms angle between joints and reference, degrees, while it tracks
-  measure_assist = 1,          ///< rms root assist, body weights (moments count at the lever of the root's height)
-  measure_assist_force = 2,    ///< rms force of the root assist alone, body weights
-  measure_assist_max = 3,      ///< greatest root assist, body weights
-  measure_skate = 4,           ///< mean path of a standing foot, cm
-  measure_skate_worst = 5,     ///< cm
-  measure_penetration = 6,     ///< worst depth in the ground, mm
-  measure_penetration_rms = 7, ///< mm
-  measure_fell = 8,            ///< 1 once the root is far below its reference, or lies
-  measure_let_go_time = 9,     ///< s, -1: it has not let go
-  measure_feet = 10,           ///< feet that bear on the ground now; -1: it has none
+  measure_tracking = 0,         ///< rms angle between joints and reference, degrees, while it tracks
+  measure_assist = 1,           ///< rms root assist, body weights (moments count at the lever of the root's height)
+  measure_assist_force = 2,     ///< rms force of the root assist alone, body weights
+  measure_assist_max = 3,       ///< greatest root assist, body weights
+  measure_skate = 4,            ///< mean path of a standing foot, cm
+  measure_skate_worst = 5,      ///< cm
+  measure_penetration = 6,      ///< worst depth in the ground, mm
+  measure_penetration_rms = 7,  ///< mm
+  measure_fell = 8,             ///< 1 once the root is far below its reference, or lies
+  measure_let_go_time = 9,      ///< s, -1: it has not let go
+  measure_feet = 10,            ///< feet that bear on the ground now; -1: it has none
   measure_count = 11,
 };
 

@@ -28,8 +28,8 @@ Mat3 mobility(const dynamics::Workspace& ws, int link, const Vec3& p) {
 
 }  // namespace
 
-Vec3 calc_pull(const Mechanism& m, dynamics::Workspace& ws, std::span<const double> q, std::span<const double> v, int link, const Vec3& p_B, const Vec3& target, double dt,
-               const PullOptions& options) {
+Vec3 calc_pull(const Mechanism& m, dynamics::Workspace& ws, std::span<const double> q, std::span<const double> v, int link, const Vec3& p_B,
+               const Vec3& target, double dt, const PullOptions& options) {
   dynamics::update_kinematics(m, q, v, ws);
   dynamics::calc_inertia_rows(m, ws);
   if (dynamics::factor(ws, {}) >= 0) return {};

@@ -49,7 +49,9 @@ void add_retrieval(circuit::Library& library) {
   c.configure = [](Setup& s) {
     const Character* character = character_of(s);
     if (!character) return;
-    if (!character->track) return s.fail(ErrorCode::structure, "The character '" + character->id + "' has no clips.", "Lay a clip on its track, or set its control to passive.");
+    if (!character->track)
+      return s.fail(ErrorCode::structure, "The character '" + character->id + "' has no clips.",
+                    "Lay a clip on its track, or set its control to passive.");
     const auto size = static_cast<std::uint32_t>(character->track->layout().size());
     s.set_out(0, size, character->index);
     s.set_out(1, size, character->index);

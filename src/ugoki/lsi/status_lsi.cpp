@@ -47,7 +47,8 @@ void add_status(circuit::Library& library) {
   circuit::LsiClass c;
   c.name = "status";
   c.doc = "The status data: positions and velocities of everybody, changing together at the end of each tick.";
-  c.inputs = {input_pin("next", PinTypeId::state, "", "What they will be after this tick."), input_pin("events", PinTypeId::event, "", "Throws, which set a root's pose and velocity.")};
+  c.inputs = {input_pin("next", PinTypeId::state, "", "What they will be after this tick."),
+              input_pin("events", PinTypeId::event, "", "Throws, which set a root's pose and velocity.")};
   for (circuit::InputPin& pin : c.inputs) pin.direct = false;
   c.inputs[1].required = false;
   c.outputs = {output_pin("state", PinTypeId::state, "", "Positions and velocities now.")};
@@ -57,7 +58,9 @@ void add_status(circuit::Library& library) {
     if (!world) return;
     const std::uint32_t size = world->state_count();
     s.set_out(0, size);
-    if (s.in(0).count != 0 && s.in(0).count != size) s.fail(ErrorCode::structure, "A state of this content has " + std::to_string(size) + " numbers.", "Wire the state that dynamics gives.");
+    if (s.in(0).count != 0 && s.in(0).count != size)
+      s.fail(ErrorCode::structure, "A state of this content has " + std::to_string(size) + " numbers.",
+             "Wire the state that dynamics gives.");
   };
   c.make = [](Setup& s) -> void* { return const_cast<World*>(world_of(s)); };  // only read
   c.init = init;

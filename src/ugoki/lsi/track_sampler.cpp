@@ -24,14 +24,17 @@ std::vector<std::uint8_t> stance_of(const Mechanism& mechanism, const Motion& mo
   for (std::size_t k = 0; k < feet.size(); ++k)
     for (const ContactTrack& track : source->contacts) {
       if (track.link != mechanism.link(feet[k]).name) continue;
-      for (std::size_t f = 0; f < std::min(track.on.size(), static_cast<std::size_t>(motion.frames)); ++f) stance[f * feet.size() + k] = track.on[f];
+      for (std::size_t f = 0; f < std::min(track.on.size(), static_cast<std::size_t>(motion.frames)); ++f)
+        stance[f * feet.size() + k] = track.on[f];
     }
   return stance;
 }
 
 }  // namespace
 
-ReferenceLayout reference_layout(const Mechanism& m, std::size_t feet) { return {static_cast<std::size_t>(m.nq()), static_cast<std::size_t>(m.nv()), feet}; }
+ReferenceLayout reference_layout(const Mechanism& m, std::size_t feet) {
+  return {static_cast<std::size_t>(m.nq()), static_cast<std::size_t>(m.nv()), feet};
+}
 
 TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track, std::span<const int> feet, bool smooth)
     : mechanism_(std::move(mechanism)), track_(std::move(track)), layout_(reference_layout(*mechanism_, feet.size())), smooth_(smooth) {
@@ -50,7 +53,8 @@ TrackSampler::TrackSampler(MechanismPtr mechanism, std::vector<TrackClip> track,
     if (i + 1 < track_.size()) {  // where its motion has more to give, a clip moves on while the next one takes over
       const Clip& next = track_[i + 1].clip;
       playing.length = std::max(playing.length, next.start + next.blend - playing.start);
-      if (!playing.loop && playing.speed > 0) playing.length = std::max(track_[i].clip.length, std::min(playing.length, (motion.duration() - playing.offset) / playing.speed));
+      if (!playing.loop && playing.speed > 0)
+        playing.length = std::max(track_[i].clip.length, std::min(playing.length, (motion.duration() - playing.offset) / playing.speed));
     }
     playing_.push_back(playing);
   }
@@ -74,10 +78,13 @@ TrackMoment TrackSampler::moment(double t) const {
 void TrackSampler::sample_clip(int index, double t, std::span<double> reference) const {
   const auto i = static_cast<std::size_t>(index);
   const SmoothMotion& motion = motions_[motion_of_[i]];
-  ugoki::sample(playing_[i], motion, *mechanism_, t, reference.first(layout_.nq), reference.subspan(layout_.v(), layout_.nv), reference.subspan(layout_.a(), layout_.nv));
+  ugoki::sample(playing_[i], motion, *mechanism_, t, reference.first(layout_.nq), reference.subspan(layout_.v(), layout_.nv),
+                reference.subspan(layout_.a(), layout_.nv));
   const double time = phase_of(playing_[i], motion.duration(), t).time;
-  const auto frame = static_cast<std::size_t>(std::clamp(std::floor(time * motion.rate() + 0.5), 0.0, static_cast<double>(motion.frames() - 1)));
-  for (std::size_t k = 0; k < layout_.feet; ++k) reference[layout_.stance() + k] = stance_[motion_of_[i]][frame * layout_.feet + k] ? 1.0 : 0.0;
+  const auto frame =
+      static_cast<std::size_t>(std::clamp(std::floor(time * motion.rate() + 0.5), 0.0, static_cast<double>(motion.frames() - 1)));
+  for (std::size_t k = 0; k < layout_.feet; ++k)
+    reference[layout_.stance() + k] = stance_[motion_of_[i]][frame * layout_.feet + k] ? 1.0 : 0.0;
 }
 
 void TrackSampler::sample(double t, std::span<double> reference) const {
@@ -89,8 +96,8 @@ void TrackSampler::sample(double t, std::span<double> reference) const {
   blend_references(*mechanism_, layout_, previous, current, now.blend, reference);
 }
 
-void blend_references(const Mechanism& m, const ReferenceLayout& at, std::span<const double> previous, std::span<const double> current, const BlendWeight& blend,
-                      std::span<double> out) {
+void blend_references(const Mechanism& m, const ReferenceLayout& at, std::span<const double> previous, std::span<const double> current,
+                      const BlendWeight& blend, std::span<double> out) {
   const double s = blend.weight;
   interpolate(m, previous.first(at.nq), current.first(at.nq), s, out.first(at.nq));
   const std::span<double> v = out.subspan(at.v(), at.nv), a = out.subspan(at.a(), at.nv);

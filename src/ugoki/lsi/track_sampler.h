@@ -49,9 +49,9 @@ class TrackSampler {
  private:
   MechanismPtr mechanism_;
   std::vector<TrackClip> track_;
-  std::vector<Clip> playing_;            // clips that may run on below the next one's blend
-  std::vector<SmoothMotion> motions_;    // one for each different motion
-  std::vector<std::size_t> motion_of_;   // [clips]
+  std::vector<Clip> playing_;                      // clips that may run on below the next one's blend
+  std::vector<SmoothMotion> motions_;              // one for each different motion
+  std::vector<std::size_t> motion_of_;             // [clips]
   std::vector<std::vector<std::uint8_t>> stance_;  // [motions][frame * feet]
   ReferenceLayout layout_;
   bool smooth_;
@@ -59,7 +59,7 @@ class TrackSampler {
 
 /// Blends two references: positions along great arcs, velocities and accelerations as that motion has them.
 /// @param out may alias neither input
-void blend_references(const Mechanism& mechanism, const ReferenceLayout& layout, std::span<const double> previous, std::span<const double> current,
-                      const BlendWeight& blend, std::span<double> out);
+void blend_references(const Mechanism& mechanism, const ReferenceLayout& layout, std::span<const double> previous,
+                      std::span<const double> current, const BlendWeight& blend, std::span<double> out);
 
 }  // namespace ugoki::lsi

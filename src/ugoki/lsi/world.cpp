@@ -8,7 +8,8 @@
 
 namespace ugoki::lsi {
 
-World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity, const collision::Ground& ground)
+World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity,
+             const collision::Ground& ground)
     : events_(std::move(events)), gravity_(gravity), ground_(ground) {
   std::size_t shapes = 0;
   for (CharacterSpec& spec : characters) {

@@ -34,13 +34,13 @@ struct CharacterSpec {
 struct Character {
   static constexpr const char* resource_kind = "character";
   std::string id;
-  int index = 0;                 ///< in the world; the subject of its payloads
+  int index = 0;  ///< in the world; the subject of its payloads
   MechanismPtr mechanism;
   std::shared_ptr<const TrackSampler> track;  ///< null: nothing to follow
-  std::vector<double> q0, v0;    ///< [nq], [nv] at time 0
-  std::vector<int> feet;         ///< links, as find_feet gives them
-  std::size_t q_offset = 0, v_offset = 0;  ///< of its q and v in a state payload
-  std::size_t first_link = 0;    ///< in the display's poses
+  std::vector<double> q0, v0;                 ///< [nq], [nv] at time 0
+  std::vector<int> feet;                      ///< links, as find_feet gives them
+  std::size_t q_offset = 0, v_offset = 0;     ///< of its q and v in a state payload
+  std::size_t first_link = 0;                 ///< in the display's poses
 };
 
 /// Something that the scenario lets happen.
@@ -82,9 +82,17 @@ class World final : public circuit::Resources {
 };
 
 /// A character's q and v in a state payload.
-inline std::span<const double> q_of(const Character& c, const double* state) { return {state + c.q_offset, static_cast<std::size_t>(c.mechanism->nq())}; }
-inline std::span<const double> v_of(const Character& c, const double* state) { return {state + c.v_offset, static_cast<std::size_t>(c.mechanism->nv())}; }
-inline std::span<double> q_of(const Character& c, double* state) { return {state + c.q_offset, static_cast<std::size_t>(c.mechanism->nq())}; }
-inline std::span<double> v_of(const Character& c, double* state) { return {state + c.v_offset, static_cast<std::size_t>(c.mechanism->nv())}; }
+inline std::span<const double> q_of(const Character& c, const double* state) {
+  return {state + c.q_offset, static_cast<std::size_t>(c.mechanism->nq())};
+}
+inline std::span<const double> v_of(const Character& c, const double* state) {
+  return {state + c.v_offset, static_cast<std::size_t>(c.mechanism->nv())};
+}
+inline std::span<double> q_of(const Character& c, double* state) {
+  return {state + c.q_offset, static_cast<std::size_t>(c.mechanism->nq())};
+}
+inline std::span<double> v_of(const Character& c, double* state) {
+  return {state + c.v_offset, static_cast<std::size_t>(c.mechanism->nv())};
+}
 
 }  // namespace ugoki::lsi
