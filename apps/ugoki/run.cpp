@@ -129,7 +129,8 @@ int run_run(const Options& options) {
   std::string hash(16, '0');
   for (std::size_t i = 0; i < 16; ++i) hash[i] = "0123456789abcdef"[(report->state_hash >> (60 - 4 * i)) & 15];
   if (options.json) {
-    Json json = {{"clip", content->name}, {"frames", content->frames}, {"duration_s", report->duration}, {"steps", report->steps}, {"steps_per_s", report->steps_per_second()}};
+    const long frames = content->frames > 0 ? content->frames : std::lround(report->duration * report->frame_rate);
+    Json json = {{"clip", content->name}, {"frames", frames}, {"duration_s", report->duration}, {"steps", report->steps}, {"steps_per_s", report->steps_per_second()}};
     json.update(measures_json(worst));
     json["realtime_factor"] = report->realtime_factor();
     json["realtime_factor_cpu"] = report->processor_realtime_factor();

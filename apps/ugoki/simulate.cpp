@@ -49,6 +49,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
   RunReport report;
   report.name = content.name;
   report.step = player->step_size();
+  report.frame_rate = content.frame_rate;
   const double duration = options.duration > 0 ? options.duration : content.duration;
   const auto steps = static_cast<std::uint64_t>(std::llround(duration / report.step));
   const double frame_time = 1 / content.frame_rate;

@@ -23,6 +23,7 @@ struct RunReport {
   double duration = 0;       ///< s simulated
   std::uint64_t steps = 0;
   double step = 0;           ///< s
+  double frame_rate = 60;    ///< display frames a second
   double wall = 0;           ///< s spent in steps alone
   double processor = 0;      ///< s of processor time in steps alone: less than `wall` on a busy machine
   std::uint64_t state_hash = 0;

@@ -1,0 +1,272 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+#include "ugoki/formats/bvh.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class CliTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "ugoki-cli-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    library_ = folder_ + "/library.db";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Output ugoki(std::vector<std::string> arguments) const { return run_program(arguments, environment()); }
+  /// Expects success and JSON on stdout, nothing on stderr.
+  Json json(std::vector<std::string> arguments) const {
+    arguments.emplace_back("--json");
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_EQ(o.err, "") << "no progress bar in a pipe";
+    Json j = Json::parse(o.out, nullptr, false);
+    EXPECT_FALSE(j.is_discarded()) << o.out;
+    return j;
+  }
+  /// Expects status 1 and an error with place and remedy on stderr.
+  void fails(const std::vector<std::string>& arguments, const std::string& place) const {
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 1) << o.out;
+    EXPECT_TRUE(o.err.starts_with("ugoki: ")) << o.err;
+    EXPECT_NE(o.err.find(place), std::string::npos) << o.err;
+    EXPECT_GE(std::count(o.err.begin(), o.err.end(), '.'), 2) << "a sentence and a remedy: " << o.err;
+  }
+  std::vector<std::string> environment() const { return {"UGOKI_LIBRARY=" + library_}; }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
+    return folder_ + "/" + name;
+  }
+  static std::string read(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// The sample human's walk as a measured file.
+  std::string walk(const std::string& name = "walk.bvh") const { return write(name, formats::write_bvh(samples::make_human_walk())); }
+  std::size_t entries() const { return json({"db", "list"})["entries"].size(); }
+
+  std::string folder_, library_;
+};
+
+TEST_F(CliTest, BadUsageIsStatusTwo) {
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{{},
+                                                                                        {"fly"},
+                                                                                        {"--nonsense"},
+                                                                                        {"import"},
+                                                                                        {"import", "a.bvh", "--height", "tall"},
+                                                                                        {"import", "a.bvh", "b.bvh", "--name", "x"},
+                                                                                        {"run", "a.bvh", "--rate", "20"},
+                                                                                        {"run", "a.bvh", "--push-direction", "0,0"},
+                                                                                        {"run", "a.bvh", "--push-direction", "1"},
+                                                                                        {"db"},
+                                                                                        {"db", "list", "--kind", "poem"},
+                                                                                        {"db", "rename", "x"},
+                                                                                        {"new"},
+                                                                                        {"info"},
+                                                                                        {"judge", "a.bvh", "b.bvh"}}) {
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 2) << (arguments.empty() ? "" : arguments[0]) << o.out;
+    EXPECT_FALSE(o.err.empty());
+    EXPECT_TRUE(o.out.empty()) << o.out;
+  }
+}
+
+TEST_F(CliTest, EveryVerbHelpsWithAnExample) {
+  for (const char* verb : {"studio", "new", "import", "info", "run", "judge", "db"}) {
+    const Output o = ugoki({verb, "--help"});
+    EXPECT_EQ(o.status, 0);
+    EXPECT_NE(o.out.find("Example:\n  ugoki " + std::string(verb)), std::string::npos) << o.out;
+  }
+  for (const char* verb : {"list", "find", "show", "tag", "rename", "remove", "export"}) {
+    const Output o = ugoki({"db", verb, "--help"});
+    EXPECT_EQ(o.status, 0);
+    EXPECT_NE(o.out.find("Example:\n  ugoki db " + std::string(verb)), std::string::npos) << o.out;
+  }
+  EXPECT_EQ(ugoki({"--help"}).status, 0);
+  EXPECT_EQ(ugoki({"--version"}).out, "ugoki 0.1.0\n");
+}
+
+TEST_F(CliTest, NewMakesProjects) {
+  const std::string park = folder_ + "/park.ugoki", bare = folder_ + "/bare.ugoki";
+  EXPECT_EQ(json({"new", park})["characters"], 3);
+  const Json info = json({"info", park});
+  EXPECT_EQ(info["kind"], "project");
+  EXPECT_EQ(info["duration_s"], 20.0);
+  EXPECT_EQ(json({"new", bare, "--empty"})["name"], "bare");
+  EXPECT_EQ(json({"info", bare})["characters"].size(), 0u);
+  const std::string before = read(park);
+  fails({"new", park}, "park.ugoki");
+  EXPECT_EQ(read(park), before);
+  fails({"new", folder_ + "/no/such/folder.ugoki"}, "folder.ugoki");
+}
+
+TEST_F(CliTest, ImportPrintsAndStores) {
+  const std::string copy = folder_ + "/copy.bvh";
+  const Json j = json({"import", walk(), "--tags", "walk,own", "--bvh", copy});
+  ASSERT_EQ(j["files"].size(), 1u);
+  const Json& f = j["files"][0];
+  const MeasuredMotion measured = samples::make_human_walk();
+  EXPECT_EQ(f["frames"], measured.frames);
+  EXPECT_EQ(f["joints"], measured.joint_count());
+  EXPECT_NEAR(f["duration_s"].get<double>(), measured.duration(), 1e-9);
+  EXPECT_NEAR(f["rate"].get<double>(), measured.rate, 1e-9);
+  EXPECT_NEAR(f["height_m"].get<double>(), 1.75, 0.1);
+  EXPECT_GT(f["mass_kg"].get<double>(), 40);
+  EXPECT_LT(f["bvh_error_m"].get<double>(), 1e-6);
+  EXPECT_EQ(entries(), 3u);
+  EXPECT_EQ(json({"db", "find", "own", "--kind", "motion"})["entries"][0]["summary"]["mechanism"], f["ids"]["mechanism"]);
+  json({"import", walk()});
+  EXPECT_EQ(entries(), 3u) << "the same data again are the same entries";
+  EXPECT_EQ(json({"import", walk("other.bvh"), "--dry-run"})["files"][0].contains("ids"), false);
+  EXPECT_EQ(entries(), 3u);
+  const std::string table = ugoki({"import", walk()}).out;
+  EXPECT_NE(table.find("walk"), std::string::npos);
+}
+
+TEST_F(CliTest, BadFilesLeaveTheLibraryAsItWas) {
+  json({"import", walk()});
+  const std::string good = read(folder_ + "/walk.bvh"), listed = ugoki({"db", "list"}).out;
+  std::vector<std::pair<std::string, std::string>> bad = {{"empty.bvh", ""},
+                                                          {"binary.bvh", std::string("\0\1\2\3\xff\xfe", 6)},
+                                                          {"half.bvh", good.substr(0, good.size() / 2)},
+                                                          {"head.bvh", good.substr(0, 200)},
+                                                          {"frames.bvh", "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n}\nMOTION\nFrames: 2000000000\nFrame Time: 0.01\n0 0 0\n"},
+                                                          {"no_skeleton.amc", ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 0 0 0 0 0\n"},
+                                                          {"skeleton.asf", ":version 1.10\n"},
+                                                          {"mechanism.json", "{\"links\": 3}"},
+                                                          {"picture.png", "x"}};
+  for (const auto& [name, text] : bad) {
+    SCOPED_TRACE(name);
+    fails({"import", write(name, text)}, name);
+    EXPECT_EQ(ugoki({"db", "list"}).out, listed);
+  }
+  fails({"import", folder_ + "/absent.bvh"}, "absent.bvh");
+  EXPECT_NE(ugoki({"import", folder_ + "/half.bvh"}).err.find("half.bvh:"), std::string::npos) << "the line is named";
+  // Among several files the good ones are stored, and the status still tells.
+  const Output mixed = ugoki({"import", folder_ + "/half.bvh", walk("second.bvh"), "--json"});
+  EXPECT_EQ(mixed.status, 1);
+  const Json j = Json::parse(mixed.out, nullptr, false);
+  ASSERT_FALSE(j.is_discarded());
+  EXPECT_EQ(j["files"].size(), 1u);
+  EXPECT_EQ(j["errors"][0]["file"], folder_ + "/half.bvh");
+  EXPECT_FALSE(j["errors"][0]["problems"][0]["remedy"].get<std::string>().empty());
+  EXPECT_EQ(entries(), 6u);
+}
+
+TEST_F(CliTest, LibraryVerbs) {
+  EXPECT_EQ(entries(), 0u);
+  EXPECT_FALSE(fs::exists(library_)) << "looking makes no file";
+  const Json ids = json({"import", walk()})["files"][0]["ids"];
+  const std::string motion = ids["motion"], mechanism = ids["mechanism"], measured = ids["measured"];
+  EXPECT_EQ(json({"db", "show", motion})["name"], "walk");
+  fails({"db", "show", "walk"}, "library.db");  // three entries have this name
+  json({"db", "rename", motion, "stroll"});
+  EXPECT_EQ(json({"db", "find", "stroll"})["entries"][0]["id"], motion);
+  json({"db", "tag", "stroll", mechanism, "--add", "a,b"});
+  json({"db", "tag", "stroll", "--remove", "a"});
+  EXPECT_EQ(json({"db", "list", "--tag", "a"})["entries"].size(), 1u);
+  EXPECT_EQ(json({"db", "list", "--tag", "b"})["entries"].size(), 2u);
+  const std::string out = folder_ + "/out.bvh";
+  json({"db", "export", measured, out});
+  EXPECT_TRUE(formats::read_bvh(read(out), "out.bvh"));
+  json({"db", "export", mechanism, folder_ + "/body.json"});
+  EXPECT_EQ(json({"info", folder_ + "/body.json"})["kind"], "mechanism");
+  EXPECT_EQ(json({"info", "stroll"})["kind"], "motion");
+  EXPECT_EQ(json({"info", library_})["motion"], 1);
+  fails({"db", "export", measured, folder_ + "/no/folder/x.bvh"}, "x.bvh");
+  json({"db", "remove", "stroll", measured});
+  EXPECT_EQ(entries(), 1u);
+  fails({"db", "remove", "stroll"}, "library.db");
+  fails({"db", "show", "nothing", "--library", folder_ + "/none.db"}, "none.db");
+  write("library.db", "not a database at all");
+  fails({"db", "list"}, "library.db");
+}
+
+TEST_F(CliTest, RunMeasuresTheSameBitsTwice) {
+  const std::string clip = walk();
+  const Json first = json({"run", clip});
+  for (const char* key : {"clip", "frames", "duration_s", "steps", "steps_per_s", "tracking_rms_deg", "root_assist_rms_bw", "root_assist_force_rms_bw", "root_assist_max_bw", "foot_skate_cm",
+                          "penetration_mm", "realtime_factor", "fell", "let_go_time", "mass", "height", "state_hash"})
+    EXPECT_TRUE(first.contains(key)) << key;
+  EXPECT_EQ(first["clip"], "walk");
+  EXPECT_EQ(first["steps"], std::lround(first["duration_s"].get<double>() * 500));
+  EXPECT_EQ(first["state_hash"].get<std::string>().size(), 16u);
+  EXPECT_EQ(json({"run", clip})["state_hash"], first["state_hash"]);
+  json({"import", clip});
+  EXPECT_EQ(json({"run", "walk"})["state_hash"], first["state_hash"]) << "the same from the library";
+  const std::string ugx = folder_ + "/walk.ugx", frames = folder_ + "/walk.frames";
+  const Json pushed = json({"run", clip, "--push", "60", "--push-time", "0.2", "--ugx", ugx, "--frames", frames});
+  EXPECT_NE(pushed["state_hash"], first["state_hash"]);
+  EXPECT_EQ(json({"run", ugx})["state_hash"], pushed["state_hash"]) << "executable data hold everything";
+  EXPECT_EQ(json({"info", ugx})["kind"], "executable data");
+  EXPECT_TRUE(read(frames).starts_with("UKGF"));
+  const Json finer = json({"run", clip, "--rate", "1000"});
+  EXPECT_EQ(finer["steps"], std::lround(finer["duration_s"].get<double>() * 1000));
+}
+
+TEST_F(CliTest, RunRefusesInWords) {
+  const std::string clip = walk(), ugx = folder_ + "/walk.ugx";
+  fails({"run", folder_ + "/absent.bvh"}, "absent.bvh");
+  fails({"run", "no such entry"}, "no such entry");
+  fails({"run", clip, "--push", "100", "--push-link", "wing"}, "--push-link");
+  json({"run", clip, "--duration", "0.1", "--ugx", ugx});
+  fails({"run", ugx, "--push", "100"}, "walk.ugx");
+  write("cut.ugx", read(ugx).substr(0, 1000));
+  fails({"run", folder_ + "/cut.ugx"}, "cut.ugx");
+  fails({"run", folder_}, folder_);
+  const Output o = ugoki({"run", folder_ + "/cut.ugx", "--json"});
+  const Json j = Json::parse(o.out, nullptr, false);
+  ASSERT_FALSE(j.is_discarded()) << o.out;
+  EXPECT_FALSE(j["error"]["problems"].empty());
+}
+
+TEST_F(CliTest, JudgeComparesWithLimits) {
+  const std::string clip = walk();
+  const Json j = json({"judge", clip});
+  ASSERT_EQ(j["parts"].size(), 2u);
+  EXPECT_EQ(j["parts"][1]["measures"].size(), 5u);
+  for (const Json& part : j["parts"])
+    for (const Json& m : part["measures"]) EXPECT_EQ(m["good"].get<bool>(), m["value"].get<double>() <= m["limit"].get<double>());
+  EXPECT_EQ(json({"judge", clip, "--kinematic"})["parts"].size(), 1u);
+  EXPECT_EQ(ugoki({"judge", clip, "--kinematic", "--strict", "--most-penetration", "1000", "--most-skate", "1000"}).status, 0);
+  const Output strict = ugoki({"judge", clip, "--strict", "--most-tracking", "0"});
+  EXPECT_EQ(strict.status, 1);
+  EXPECT_NE(strict.out.find("TOO MUCH"), std::string::npos) << strict.out;
+}
+
+TEST_F(CliTest, InterruptLeavesNoHalfWrittenFile) {
+  const std::string clip = walk(), frames = folder_ + "/long.frames";
+  const pid_t child = start_program({"run", clip, "--duration", "80000", "--frames", frames}, environment());
+  ::usleep(700'000);
+  ASSERT_EQ(::kill(child, SIGINT), 0);
+  EXPECT_EQ(wait_for(child), 1);
+  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_EQ(entry.path().filename().string().find("frames"), std::string::npos) << entry.path();
+}
+
+TEST_F(CliTest, RealDataImportAndReturn) {
+  const fs::path data = fs::path(UGOKI_SHARED_DATA) / "human";
+  if (!fs::exists(data)) GTEST_SKIP() << "no shared data beside the project";
+  const Json j = json({"import", (data / "bvh/cmu_12_01_walk.bvh").string(), (data / "asf_amc/35_01.amc").string(), "--bvh", folder_});
+  ASSERT_EQ(j["files"].size(), 2u);
+  EXPECT_EQ(j["files"][0]["frames"], 524);
+  EXPECT_EQ(j["files"][1]["frames"], 224);
+  for (const Json& f : j["files"]) EXPECT_LT(f["bvh_error_m"].get<double>(), 1e-6);
+}
+
+}  // namespace
+}  // namespace ugoki::cli
