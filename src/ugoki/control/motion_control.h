@@ -26,7 +26,7 @@ struct ControlOptions {
   double root_frequency = 17;   ///< rad/s: the same for the root and the joints between it and a foot that stands
   double joint_hold = 0.2;      ///< s/rad: servo gain of a joint that bears load, times its strength^2 / (weight * lever)
   double assist_limit = 0.5;    ///< body weights: cap of the root assist (moments count at the lever of the root's height)
-  double patience = 0.1;        ///< s: time constant with which the wanted assist is averaged before the figure lets go
+  double patience = 0.25;       ///< s: time constant with which the wanted assist is averaged before the figure lets go
   double contact_margin = 0.005;  ///< m: contacts nearer than this can bear load
   double planted_height = 0.04; ///< m above the present contact: a reference point higher than this is not planted
   double planted_speed = 0.25;  ///< m/s upwards: a reference point faster than this is not planted
