@@ -148,7 +148,7 @@ TEST(Dog, HasTheSizeOfAShepherd) {
     EXPECT_NEAR(l.inertia.mass, dog.link(r).inertia.mass, 1e-12);
     EXPECT_NEAR(l.inertia.h.y, -dog.link(r).inertia.h.y, 1e-12) << l.name;
   }
-  // Dogs carry some 60 % of their weight on the fore legs (Williams et al. 2020 found 60:40 over 123 breeds).
+  // Dogs carry some 60 % of their weight on the fore legs ("A 60:40 split: differential mass support in dogs", Anatomical Record 2020, doi 10.1002/ar.24407).
   std::vector<Pose> X(static_cast<std::size_t>(dog.link_count()));
   calc_poses(dog, dog.neutral(), X);
   const double hind = X[static_cast<std::size_t>(dog.find_link("LeftHindPaw"))].p.x, fore = X[static_cast<std::size_t>(dog.find_link("LeftForePaw"))].p.x;

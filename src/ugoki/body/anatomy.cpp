@@ -279,7 +279,6 @@ class Finder {
   }
 
   void find_mirror() {
-    std::vector<int> left, right;
     for (int i = 0; i < n_; ++i) {
       const Place place = a_.places[at(i)];
       if (place.side <= 0) continue;

@@ -1,6 +1,6 @@
 // The dog's trot and stand. The trot is the two-beat gait: diagonal legs together, feet locked to the ground by inverse
-// kinematics. Timing after Maes et al. (2008, J. exp. Biol. 211): at 1.3 m/s dogs of this size take some 1.7 strides a second and stand
-// about half of the time; joint ranges after Hottinger et al. (1996, Am. J. vet. Res. 57).
+// kinematics. Timing as Maes et al. (2008, J. exp. Biol. 211, 138-149) report for slow trots of dogs of this size: some 1.7 strides a
+// second, each foot on the ground for about half of the time.
 
 #include <algorithm>
 
