@@ -103,6 +103,12 @@ class Modeller {
       const double level = low + (top - low) * (chest ? (c + 1.0) / count : (c + 0.5) / count);
       across(level, half_width(level), depth(level));
     }
+    // Upright capsules fill the grooves between them.
+    const double bottom = low - 0.01 * h_, middle_level = 0.5 * (low + top);
+    for (const double side : {-1.0, 0.0, 1.0}) {
+      const Vec3 from = middle(bottom) + Vec3{0, side * half_width(bottom) * w_, 0}, to = middle(top) + Vec3{0, side * half_width(top) * w_, 0};
+      out_.push_back(decoration(Shape::capsule(0.985 * depth(middle_level) * w_, from - own, to - own)));
+    }
     if (chest) {  // the slope of the shoulders
       const Vec3 neck = a_.p[at(a_.neck.front())];
       for (const double s : {1.0, -1.0}) {
