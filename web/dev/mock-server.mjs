@@ -134,6 +134,7 @@ function frame_bytes() {
       const at = 7 * grab.link;
       pulled = Math.min(1, pulled + 0.08);
       const d = [0, 1, 2].map((i) => (grab.target[i] - poses[at + i] - grab.point[i]) * 0.6 * pulled);
+      grab.at = [0, 1, 2].map((i) => poses[at + i] + grab.point[i] + d[i]);
       poses = poses.map((v, i) => (i % 7 < 3 ? v + d[i % 7] * (Math.floor(i / 7) === grab.link ? 1 : 0.25) : v));
     }
     const weight = body.mass * 9.81;
@@ -155,7 +156,7 @@ function frame_bytes() {
   u(16, Math.round(transport.time * doc.frame_rate));
   u(20, (transport.playing ? 1 : 0) | (simulate ? 2 : 0) | (simulate && transport.time >= transport.simulated ? 4 : 0) | (grab ? 8 : 0));
   u(24, parts.length); u(28, contacts.length);
-  if (grab) [...grab.target, ...grab.target].forEach((v, i) => view.setFloat32(32 + 4 * i, v, true));
+  if (grab) [...grab.at, ...grab.target].forEach((v, i) => view.setFloat32(32 + 4 * i, v, true));
   let at = 64;
   for (const p of parts) {
     u(at, p.poses.length / 7); u(at + 4, p.state);

@@ -1,7 +1,11 @@
-// npm run e2e: the journeys, one line each, and their count. Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
+// npm run e2e [-- words]: the journeys (the first, and those whose names hold the words), one line each, and their count.
+// Environment: UGOKI_BIN, UGOKI_CHROMIUM, UGOKI_MOCK=1.
 import { launch } from './browser.mjs';
-import { journeys } from './journeys.mjs';
+import { journeys as all } from './journeys.mjs';
 import { available, program, start_service } from './service.mjs';
+
+const words = process.argv.slice(2).join(' ');
+const journeys = all.filter((journey, i) => i === 0 || journey.name.includes(words));
 
 let passed = 0;
 let failed = 0;

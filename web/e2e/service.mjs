@@ -21,7 +21,7 @@ export async function start_service() {
     const project = join(folder, 'sample.ugoki');
     const made = spawnSync(program, ['new', project], { env, cwd: folder, encoding: 'utf8' });
     if (made.status !== 0) throw new Error(`ugoki new ended with ${made.status}: ${made.stderr}${made.stdout}`);
-    child = spawn(program, ['studio', project, '--port', '0', '--no-browser'], { env, cwd: folder });
+    child = spawn(program, ['studio', project, '--port', '0', '--no-open', '--web', join(here, '../dist'), '--library', join(folder, 'library.db')], { env, cwd: folder });
   }
   let said = '';
   const address = await new Promise((resolve, reject) => {

@@ -193,6 +193,15 @@ describe('Session', () => {
     expect(session.state.transport.time).toBe(4.9);
   });
 
+  it('keeps a speed chosen while paused until it plays', async () => {
+    const { session, socket } = await start();
+    session.set_speed(0.25);
+    socket.say({ event: 'transport', ...hello().transport, time: 3 });
+    expect(session.state.transport).toMatchObject({ speed: 0.25, time: 3 });
+    session.play();
+    expect(socket.sent.at(-1)).toMatchObject({ op: 'play', speed: 0.25 });
+  });
+
   it('drops a selection whose clip was deleted', async () => {
     const { session, socket } = await start();
     session.select({ kind: 'clip', character: 'human', clip: 'k1' });

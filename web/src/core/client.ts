@@ -152,6 +152,11 @@ export class LatestOnly<T> {
     if (!this.busy) this.next();
   }
 
+  /** Forgets what has not been sent yet. */
+  drop(): void {
+    this.pending = null;
+  }
+
   private next(): void {
     const pending = this.pending;
     if (!pending) return;

@@ -83,7 +83,7 @@ export interface HelloReply extends DocumentState {
 }
 
 export interface CircuitData {
-  lsis: { id: string; type: string; name?: string; pins?: { name: string; direction: 'in' | 'out'; type: string }[] }[];
+  lsis: { id: string; type: string; name?: string; x?: number; y?: number; pins?: { name: string; direction: 'in' | 'out'; type: string }[] }[];
   /** Ends as "lsi.pin" or as [lsi, pin]. */
   wires: { from: string | [string, string]; to: string | [string, string] }[];
 }
@@ -98,13 +98,14 @@ export type ServiceEvent =
   | ({ event: 'transport' } & Transport)
   | ({ event: 'summary' } & Summary)
   | ({ event: 'log' } & LogLine)
+  | { event: 'library' }
   | { event: 'stopped'; reason: string };
 
 export type Request =
   | { op: 'hello' }
   | { op: 'command'; command: Command }
   | { op: 'undo' | 'redo' | 'pause' | 'restart' | 'release' }
-  | { op: 'save'; path?: string }
+  | { op: 'save'; path?: string; overwrite?: boolean }
   | { op: 'mode'; mode: Mode }
   | { op: 'play'; speed?: number }
   | { op: 'step'; frames: 1 | -1 }

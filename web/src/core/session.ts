@@ -32,6 +32,8 @@ export class Session {
   private readonly client: Client;
   private readonly seeks: LatestOnly<number>;
   private readonly drags: LatestOnly<Vec3>;
+  /** The speed chosen while nothing plays: the service learns it with `play`. */
+  private wanted_speed: number | null = null;
   private pending_edits = 0;
   private next_id = 1;
   private preview_timer: ReturnType<typeof setTimeout> | null = null;
@@ -159,6 +161,7 @@ export class Session {
 
   set_speed(speed: number): void {
     const { transport } = this.state;
+    this.wanted_speed = speed;
     this.set({ transport: { ...transport, speed } });
     if (transport.playing) this.send({ op: 'play', speed });
   }
@@ -197,6 +200,7 @@ export class Session {
   }
 
   release(): void {
+    this.drags.drop();
     this.send({ op: 'release' });
   }
 
@@ -382,11 +386,16 @@ export class Session {
       case 'transport': {
         const { event: _name, ...transport } = event;
         if (transport.mode !== this.state.transport.mode) this.set({ summary: initial_state.summary });
+        if (transport.playing) this.wanted_speed = null;
+        else if (this.wanted_speed !== null) transport.speed = this.wanted_speed;
         this.set({ transport: { ...this.state.transport, ...transport } });
         break;
       }
       case 'summary':
         this.set({ summary: { characters: event.characters ?? [], contacts: event.contacts ?? [] } });
+        break;
+      case 'library':
+        void this.load_library();
         break;
       case 'log':
         this.log(event.level, event.text);

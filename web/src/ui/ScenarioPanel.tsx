@@ -4,7 +4,7 @@ import { format_ruler, format_time } from '../core/format';
 import { fit_view, pan_by, round_to_frame, ruler_steps, time_to_x, x_to_time, zoom_at, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
 import { add_character, add_motion, run } from './actions';
-import { page, parts, session, useStudio } from './app';
+import { page, parts, plain_canvas, session, useStudio } from './app';
 import { drop_target, EventTrack, Track, type DropGhost } from './tracks';
 
 
@@ -181,7 +181,7 @@ function Ruler({ view, width, rate, duration, time_at }: { view: TimeView; width
   const theme = useStudio((s) => s.theme);
   useLayoutEffect(() => {
     const element = canvas.current;
-    const context = element?.getContext('2d');
+    const context = element?.getContext('2d', plain_canvas);
     if (!element || !context) return;
     const ratio = window.devicePixelRatio || 1;
     const height = element.clientHeight;

@@ -33,6 +33,9 @@ export const session = new Session({
   storage: storage(),
 });
 
+/** Small canvases are drawn by the processor: sent to a busy graphics processor they would make the page wait. */
+export const plain_canvas: CanvasRenderingContext2DSettings = { willReadFrequently: true };
+
 export const registry = new CommandRegistry();
 
 /** Small facts of the page that are not the session's. */

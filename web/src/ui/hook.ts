@@ -17,6 +17,8 @@ export interface PageHook {
   /** Index of a link by name or label, or -1. */
   link_index(character: string, name: string): number;
   link_position(character: string, link: number): [number, number, number] | null;
+  /** Both ends of the spring of a pull, as the service has them; null without one. */
+  pull(): { point: [number, number, number]; target: [number, number, number] } | null;
   figure(character: string): { state: number; assist: number; over_cap: number; com: [number, number, number] } | null;
   /** Pixels of the page of a link's middle as it is drawn. */
   link_on_screen(character: string, link: number): { x: number; y: number } | null;
@@ -68,6 +70,12 @@ export function expose_hook(): void {
     link_position: (character, link) => {
       const found = figure_of(character);
       return found && link < found.figure.links ? link_position(found.frame, found.figure, link) : null;
+    },
+    pull: () => {
+      const f = session.frames.latest;
+      if (!f?.grabbing) return null;
+      const three = (at: number): [number, number, number] => [f.floats[at]!, f.floats[at + 1]!, f.floats[at + 2]!];
+      return { point: three(f.grab), target: three(f.grab + 3) };
     },
     figure: (character) => {
       const found = figure_of(character);

@@ -4,7 +4,7 @@ import { lay_out_circuit } from '../core/circuit_layout';
 import { assist_force, body_weight } from '../core/frames';
 import { bar_fraction, grade, measures, shown_value } from '../core/judge';
 import { run } from './actions';
-import { session, useStudio } from './app';
+import { plain_canvas, session, useStudio } from './app';
 
 export function NaturalnessPanel(): ReactElement {
   const doc = useStudio((s) => s.document);
@@ -77,7 +77,7 @@ function AssistCurve({ character }: { character: string }): ReactElement {
   useEffect(() => {
     const draw = (): void => {
       const element = canvas.current;
-      const context = element?.getContext('2d');
+      const context = element?.getContext('2d', plain_canvas);
       const doc = session.state.document;
       if (!element || !context || !doc) return;
       const ratio = window.devicePixelRatio || 1;

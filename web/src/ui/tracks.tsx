@@ -3,7 +3,7 @@ import { FigureState } from '../core/frames';
 import { apply_command, blend_spans, find_character, type Character, type Clip, type ScenarioDocument, type ScenarioEvent } from '../core/document';
 import { format_number, format_time } from '../core/format';
 import { changed_fields, drag_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
-import { session, usePage, useStudio } from './app';
+import { plain_canvas, session, usePage, useStudio } from './app';
 
 const edge_px = 7;
 const snap_px = 8;
@@ -272,7 +272,7 @@ function ContactBar({ character, view }: { character: string; view: TimeView }):
   const theme = useStudio((s) => s.theme);
   useLayoutEffect(() => {
     const element = canvas.current;
-    const context = element?.getContext('2d');
+    const context = element?.getContext('2d', plain_canvas);
     if (!element || !context) return;
     const draw = (): void => {
       const ratio = window.devicePixelRatio || 1;

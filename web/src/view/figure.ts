@@ -1,7 +1,7 @@
 /** A mechanism drawn as shaded bodies: one mesh a link, placed straight from the numbers of a frame. */
 import * as THREE from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
-import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
+import { mergeGeometries, mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Frame, FigureFrame } from '../core/frames';
 import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
 
@@ -9,22 +9,25 @@ const pose_position = new THREE.Vector3();
 const pose_rotation = new THREE.Quaternion();
 const unit_scale = new THREE.Vector3(1, 1, 1);
 
+/** Segments around a body of radius `r`: fine enough that its outline looks round from close by, and no finer. */
+const around = (r: number): number => Math.round(Math.min(40, Math.max(14, 12 + 110 * r)));
+
 function shape_geometry(shape: ShapeData): THREE.BufferGeometry {
   const r = Math.max(shape.radius ?? 0.05, 1e-3);
+  const n = around(r);
   let geometry: THREE.BufferGeometry;
   if (shape.type === 'sphere') {
-    geometry = new THREE.SphereGeometry(r, 40, 28);
+    geometry = new THREE.SphereGeometry(r, n, Math.round(0.7 * n));
   } else if (shape.type === 'capsule') {
-    geometry = new THREE.CapsuleGeometry(r, 2 * (shape.half_length ?? 0), 10, 26).rotateX(Math.PI / 2);
+    geometry = new THREE.CapsuleGeometry(r, 2 * (shape.half_length ?? 0), Math.round(n / 3), n).rotateX(Math.PI / 2);
   } else {
     const [x, y, z] = shape.half_extents ?? [0.05, 0.05, 0.05];
     geometry = new RoundedBoxGeometry(2 * x, 2 * y, 2 * z, 4, 0.42 * Math.min(x, y, z));
   }
   const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = shape.pose;
   geometry.applyMatrix4(new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), unit_scale));
-  const plain = geometry.index ? geometry.toNonIndexed() : geometry;
-  plain.deleteAttribute('uv');
-  return plain;
+  geometry.deleteAttribute('uv');
+  return geometry.index ? geometry : mergeVertices(geometry);
 }
 
 /** One geometry of all shapes of a link, in the link's frame; null where it has none. */

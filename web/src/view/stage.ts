@@ -24,6 +24,8 @@ export class Stage {
   private quality = 1;
   private width = 1;
   private height = 1;
+  /** Signalled when the last picture has left the graphics processor. */
+  private fence: WebGLSync | null = null;
   private slow_frames = 0;
   private fast_frames = 0;
 
@@ -40,7 +42,7 @@ export class Stage {
     this.key.shadow.normalBias = 0.012;
     this.key.shadow.radius = 5;
     this.scene.add(this.floor.mesh, this.key, this.key.target, this.fill, this.fill.target, this.sky);
-    this.quality = this.software ? 0.7 : 1;
+    this.quality = this.software ? 0.5 : 1;
   }
 
   set_look(look: StageLook): void {
@@ -81,10 +83,24 @@ export class Stage {
     this.floor.set_focus(centre.x, centre.y, Math.max(14, view_distance * 4.2));
   }
 
+  /** False while the last picture is still being drawn: another would only make the page wait. */
+  get free(): boolean {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (this.fence) {
+      if (!gl.isContextLost() && gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+      gl.deleteSync(this.fence);
+      this.fence = null;
+    }
+    return true;
+  }
+
   /** @param still nothing moves: this picture will be looked at for a while */
   render(camera: THREE.Camera, still: boolean): void {
     this.set_ratio(still);
     this.renderer.render(this.scene, camera);
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
   }
 
   /** Tells how long a moving frame took, so that the pixels fit the machine. */
@@ -92,7 +108,7 @@ export class Stage {
     if (ms > 40) this.slow_frames++;
     else if (ms < 22) this.fast_frames++;
     if (this.slow_frames > 6) {
-      this.quality = Math.max(0.45, this.quality * 0.8);
+      this.quality = Math.max(0.4, this.quality * 0.8);
       this.slow_frames = this.fast_frames = 0;
     } else if (this.fast_frames > 120) {
       this.quality = Math.min(1, this.quality * 1.25);

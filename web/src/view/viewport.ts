@@ -255,7 +255,7 @@ export class Viewport {
     const entry: Drawn = {
       figure: new Figure(id, mechanism, geometries, color),
       ghosts: ghost_offsets.map((_offset, index) => new Ghost(geometries, index)),
-      assist: new Arrow(0x34d399, 0.014, true),
+      assist: new Arrow(0x34d399, 0.011, true),
       trail: new Polyline(0xff9d5c, 1.6, 0.8),
       offset: new THREE.Vector3(),
     };
@@ -285,6 +285,7 @@ export class Viewport {
 
   private readonly tick = (now: number): void => {
     this.handle = requestAnimationFrame(this.tick);
+    if (!this.stage.free) return;
     const dt = Math.min(0.4, Math.max(0.001, (now - this.last_tick) / 1000));
     this.last_tick = now;
     if (this.rect.width <= 2) return;
@@ -312,7 +313,7 @@ export class Viewport {
     this.stage.focus(target, Math.min(spread, Math.max(2.6, distance * 0.85)), distance);
     this.stage.render(this.rig.camera, still);
     this.pictures++;
-    if (!this.framed_once && this.drawn.size > 0 && frame) this.first_view();
+    if (!this.framed_once && frame && this.drawn.size > 0 && this.drawn.size >= (this.session.state.document?.characters.length ?? 0)) this.first_view();
     for (const listener of this.listeners) listener(this);
   }
 
@@ -385,7 +386,7 @@ export class Viewport {
       }
       if (selected === character.id) {
         const bounds = this.bounds(character.id);
-        this.ring.scale.setScalar(Math.max(0.32, Math.min(0.5 * (bounds?.radius ?? 0.8), 1.2)));
+        this.ring.scale.setScalar(Math.max(0.3, Math.min(0.5 * (bounds?.radius ?? 0.8), 0.62)));
         this.ring.position.set(com.x, com.y, (state.document?.ground?.height ?? 0) + 0.004);
         this.ring.visible = true;
       }
