@@ -26,18 +26,25 @@ struct Options {
   bool no_open = false, json = false;
 };
 
-/// The sample content, made where the library lies if it is not there yet.
-Result<project::Project> open_sample(const std::string& library) {
-  const fs::path folder = fs::path(library).parent_path();
-  const std::string path = (folder / "sample.ugoki").string();
-  std::error_code ec;
-  if (fs::exists(path, ec)) return project::Project::open(path);
-  fs::create_directories(folder, ec);
-  if (ec) return fail(ErrorCode::io, folder.string(), "The folder for the sample content cannot be made: " + ec.message() + ".", "Name a project: ugoki studio PROJECT.");
+Result<project::Project> make_sample(const std::string& path) {
   samples::Sample sample = samples::make_sample();
   Result<content::Scenario> document = content::read_scenario(sample.document, "sample");
   if (!document) return fail(std::move(document.error()));
   return project::Project::create(path, *document, sample.resources);
+}
+
+/// The sample content, made where the library lies if it is not there yet. While another studio has it open: a further one.
+Result<project::Project> open_sample(const std::string& library) {
+  const fs::path folder = fs::path(library).parent_path();
+  std::error_code ec;
+  fs::create_directories(folder.empty() ? "." : folder, ec);
+  if (ec) return fail(ErrorCode::io, folder.string(), "The folder for the sample content cannot be made: " + ec.message() + ".", "Name a project: ugoki studio PROJECT.");
+  constexpr int most = 20;
+  for (int n = 1;; ++n) {
+    const std::string path = (folder / (n == 1 ? "sample.ugoki" : "sample-" + std::to_string(n) + ".ugoki")).string();
+    Result<project::Project> opened = fs::exists(path, ec) ? project::Project::open(path) : make_sample(path);
+    if (opened || n == most || opened.error().problems.front().code != ErrorCode::conflict) return opened;
+  }
 }
 
 int run_studio(const Options& options) {

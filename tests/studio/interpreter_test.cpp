@@ -200,6 +200,26 @@ TEST_F(InterpreterTest, ScrubbingShowsWhatWasRecordedAndPlayingGoesOnFromThere) 
   EXPECT_NEAR(shown().time, 2.5, 0.02);
 }
 
+TEST_F(InterpreterTest, SlowMotionThroughTheRecordingIsSmooth) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.seek(3));
+  settle();
+  ASSERT_TRUE(interpreter.seek(1));
+  ASSERT_TRUE(interpreter.play(0.1));
+  sink.frames.clear();
+  pass(2);
+  ASSERT_GT(sink.frames.size(), 110u);
+  std::vector<float> moves;
+  for (std::size_t i = 1; i < sink.frames.size(); ++i) {
+    moves.push_back(sink.frames[i].characters[0].links[0][0] - sink.frames[i - 1].characters[0].links[0][0]);
+    EXPECT_NEAR(sink.frames[i].characters[0].links[0][3], std::cos(0.25), 1e-6);
+    EXPECT_NEAR(sink.frames[i].time - sink.frames[i - 1].time, 0.1 / 60, 1e-9);
+  }
+  const auto [least, most] = std::ranges::minmax(moves);
+  EXPECT_GT(least, 0.5f * most);  // every frame moves on by about the same
+}
+
 TEST_F(InterpreterTest, SeekingAheadSimulatesAndSteppingEqualsPlaying) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));

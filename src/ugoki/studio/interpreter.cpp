@@ -422,10 +422,20 @@ void Interpreter::show_edit(double time) {
 void Interpreter::show_recorded(double time) {
   // Beyond the last kept frame there is only the head itself.
   if (step_at(time) > recording_->step_of_frame(recording_->frame_count() - 1) && step_at(time) == simulation_->step_count()) return show_head();
-  const std::span<const std::byte> kept = recording_->frame(recording_->frame_near(time));
+  if (!playing_) {
+    const std::span<const std::byte> kept = recording_->frame(recording_->frame_near(time));
+    frame_.assign(kept.begin(), kept.end());
+    shown_ = frame_time(frame_);
+    return send(frame_, shown_, false);
+  }
+  // Between two kept frames in slow motion and at other rates than the recording's.
+  const double place = std::clamp(time * recording_->rate(), 0.0, static_cast<double>(recording_->frame_count() - 1));
+  const auto before = static_cast<std::size_t>(place);
+  const std::span<const std::byte> kept = recording_->frame(before);
   frame_.assign(kept.begin(), kept.end());
-  shown_ = playing_ ? time : frame_time(frame_);
-  send(frame_, frame_time(frame_), false);
+  if (before + 1 < recording_->frame_count()) blend_poses(frame_, recording_->frame(before + 1), place - static_cast<double>(before));
+  shown_ = time;
+  send(frame_, time, false);
 }
 
 void Interpreter::show_head() {
