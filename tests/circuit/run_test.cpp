@@ -134,7 +134,7 @@ TEST(Run, AdoptsTheStateOfWhatStayedTheSame) {
   ASSERT_TRUE(a);
   for (int k = 0; k < 50; ++k) ASSERT_TRUE(a->tick());
   std::string changed = oscillator;
-  changed.replace(changed.find("\"low-pass\""), 10, "\"gain\"");
+  changed.replace(changed.find("\"low-pass\""), 10, "\"integrator\"");  // a state of the same size, but another LSI
   auto b = build(changed);
   ASSERT_TRUE(b) << b.error().text();
   EXPECT_EQ(b->adopt(*a), 4u);
@@ -215,6 +215,66 @@ TEST(Run, CountsTheTimeOfEachLsi) {
     EXPECT_EQ(t.runs, t.lsi == "slow" ? 2u : t.lsi == "smooth" ? 40u : 20u) << t.lsi;  // the filter steps and advances
     EXPECT_EQ(t.total, 3 * t.runs);
   }
+}
+
+TEST(Run, PayloadsOfEverySizeKeepTheirPlaces) {
+  auto i = build(R"({"version": 1, "name": "o",
+    "lsis": [{"id": "a", "type": "make vector", "values": {"x": 1, "y": 2, "z": 3}}, {"id": "b", "type": "make vector", "values": {"x": 10, "y": 20, "z": 30}},
+             {"id": "sum", "type": "add vectors"}, {"id": "late", "type": "delay vector"}, {"id": "twice", "type": "scale vector", "values": {"factor": 2}},
+             {"id": "parts", "type": "split vector"}, {"id": "turn", "type": "delay rotation", "values": {"in": [0, 1, 0, 0]}},
+             {"id": "place", "type": "delay pose", "values": {"in": [1, 2, 3, 0, 0, 1, 0]}}],
+    "wires": [{"from": "a.out", "to": "sum.a"}, {"from": "b.out", "to": "sum.b"}, {"from": "sum.out", "to": "late.in"}, {"from": "late.out", "to": "twice.in"},
+              {"from": "twice.out", "to": "parts.in"}]})");
+  ASSERT_TRUE(i) << i.error().text();
+  EXPECT_EQ(i->find_output("turn.out")->numbers()[0], 1);  // the identity at first
+  EXPECT_EQ(i->find_output("place.out")->numbers()[3], 1);
+  ASSERT_TRUE(i->tick());
+  EXPECT_EQ(value(*i, "parts.y"), 0);
+  ASSERT_TRUE(i->tick());
+  const auto expect_numbers = [&](const char* pin, std::vector<double> wanted) {
+    const auto numbers = i->find_output(pin)->numbers();
+    EXPECT_EQ(std::vector<double>(numbers.begin(), numbers.end()), wanted) << pin;
+  };
+  expect_numbers("a.out", {1, 2, 3});
+  expect_numbers("sum.out", {11, 22, 33});
+  expect_numbers("late.out", {11, 22, 33});
+  expect_numbers("twice.out", {22, 44, 66});
+  expect_numbers("parts.x", {22});
+  expect_numbers("parts.y", {44});
+  expect_numbers("parts.z", {66});
+  expect_numbers("turn.out", {0, 1, 0, 0});
+  expect_numbers("place.out", {1, 2, 3, 0, 0, 1, 0});
+}
+
+TEST(Run, ADelayedOutputMayLeadToADirectInputOfTheSameLsi) {
+  // y = a + 1 at once; z = y of the tick before; z is wired to a
+  Library library;
+  LsiClass c;
+  c.name = "both";
+  c.inputs.resize(1);
+  c.inputs[0].name = "a";
+  c.outputs.resize(2);
+  c.outputs[0].name = "y";
+  c.outputs[1].name = "z";
+  c.outputs[1].delayed = true;
+  c.step = [](const Call* call) -> std::int32_t {
+    *output(call, 0) = *input(call, 0) + 1;
+    return 0;
+  };
+  c.advance = [](const Call* call) -> std::int32_t {
+    *output(call, 1) = *output(call, 0);
+    return 0;
+  };
+  library.add(c);
+  auto i = Interpreter::build(
+      parse(R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "both"}], "wires": [{"from": "b.z", "to": "b.a"}]})"), library,
+      nullptr, {});
+  ASSERT_TRUE(i) << i.error().text();
+  for (int k = 0; k < 4; ++k) ASSERT_TRUE(i->tick());
+  EXPECT_EQ(value(*i, "b.y"), 4);
+  EXPECT_FALSE(Interpreter::build(
+      parse(R"({"version": 1, "name": "o", "lsis": [{"id": "b", "type": "both"}], "wires": [{"from": "b.y", "to": "b.a"}]})"), library,
+      nullptr, {}));
 }
 
 // An LSI with an object that remembers, a resource, subjects and a multiple sized input.
