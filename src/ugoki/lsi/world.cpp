@@ -3,10 +3,25 @@
 #include <algorithm>
 
 #include "ugoki/base/check.h"
+#include "ugoki/mechanism/state.h"
 #include "ugoki/lsi/track_sampler.h"
 #include "ugoki/motion/contact_labels.h"
 
 namespace ugoki::lsi {
+namespace {
+
+/// Raises a figure whose first frame reaches into the ground, so that it does not start by being pushed out.
+void raise_above(const Mechanism& m, double ground, std::span<double> q) {
+  if (m.link(0).joint.type != JointType::floating) return;
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  calc_poses(m, q, X);
+  double low = ground;
+  for (int i = 0; i < m.link_count(); ++i)
+    for (const SupportPoint& s : support_points(m.link(i))) low = std::min(low, (X[static_cast<std::size_t>(i)] * s.p).z - s.radius);
+  displace_root(m, {0, 0, ground - low, 0}, q);
+}
+
+}  // namespace
 
 World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> events, const Vec3& gravity,
              const collision::Ground& ground)
@@ -36,6 +51,7 @@ World::World(std::vector<CharacterSpec> characters, std::vector<ScheduledEvent> 
       const ReferenceLayout& at = c.track->layout();
       std::copy_n(reference.data(), c.q0.size(), c.q0.data());
       std::copy_n(reference.data() + at.v(), c.v0.size(), c.v0.data());
+      raise_above(m, ground_.height, c.q0);
     }
     characters_.push_back(std::move(c));
   }
