@@ -1,6 +1,6 @@
 import { describe, expect, it, vi } from 'vitest';
 import { CommandRegistry } from '../src/core/commands';
-import { format_factor, format_number, format_ruler, format_time, parse_number } from '../src/core/format';
+import { format_factor, format_number, format_ruler, format_time, parse_number, say_label } from '../src/core/format';
 import { grade, measures, shown_value } from '../src/core/judge';
 import { is_typing, key_of, pointer_action, show_key } from '../src/core/keymap';
 import { describe_entry, search_library, tags_of } from '../src/core/library';
@@ -12,6 +12,9 @@ describe('numbers on screen', () => {
   });
   it('numbers without useless zeros', () => {
     expect([1.2, 4.37, -0.001, 100, NaN].map((v) => format_number(v))).toEqual(['1.2', '4.37', '0', '100', '–']);
+  });
+  it('labels as people say them', () => {
+    expect(['forearm left', 'pelvis', 'toes_right', 'Left hand', ''].map(say_label)).toEqual(['Left forearm', 'Pelvis', 'Right toes', 'Left hand', '']);
   });
   it('ruler and factors', () => {
     expect([format_ruler(0, 1), format_ruler(3, 1), format_ruler(0.5, 0.5), format_ruler(90, 30)]).toEqual(['0', '3 s', '0.5 s', '1:30']);

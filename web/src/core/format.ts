@@ -37,6 +37,13 @@ export function format_factor(factor: number): string {
   return `${factor >= 10 ? factor.toFixed(0) : factor.toFixed(1)}×`;
 }
 
+/** "forearm left" → "Left forearm": labels put the side last, people say it first. */
+export function say_label(label: string): string {
+  const side = /^(.*?)[\s_]+(left|right)$/i.exec(label.trim());
+  const text = side ? `${side[2]!.toLowerCase()} ${side[1]}` : label.trim();
+  return text.charAt(0).toUpperCase() + text.slice(1).replace(/_/g, ' ');
+}
+
 /** "Human 1.75 m · 62 freedoms · 70 kg" without what is not known. */
 export const join_facts = (facts: (string | undefined | false)[]): string => facts.filter(Boolean).join(' · ');
 

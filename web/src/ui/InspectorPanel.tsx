@@ -1,6 +1,6 @@
 import { useEffect, useRef, type ReactElement } from 'react';
 import { apply_command, find_character, find_clip, find_event, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
-import { format_number } from '../core/format';
+import { format_number, say_label } from '../core/format';
 import { link_position } from '../core/frames';
 import { describe_entry, tags_of } from '../core/library';
 import type { LibraryEntry, Vec3 } from '../core/protocol';
@@ -118,7 +118,7 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
           </div>
         </>
       )}
-      {link !== undefined && mechanism?.links[link] && <LinkReadout character={character.id} link={link} label={mechanism.links[link].label || mechanism.links[link].name} joint={mechanism.links[link].joint} freedoms={mechanism.links[link].freedoms} />}
+      {link !== undefined && mechanism?.links[link] && <LinkReadout character={character.id} link={link} label={say_label(mechanism.links[link].label || mechanism.links[link].name)} joint={mechanism.links[link].joint} freedoms={mechanism.links[link].freedoms} />}
       <div className="actions">
         <button type="button" onClick={() => run('view.frame')}>Frame</button>
         <button type="button" onClick={() => run('edit.push')} disabled={doc.characters.length === 0}>Add push</button>
@@ -184,7 +184,7 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
       {event.type === 'push' && (
         <>
           <NumberField label="Duration" unit="s" value={event.duration ?? 0.2} step={0.01} min={0.001} on_commit={(duration) => send(set({ duration }))} />
-          {mechanism && <ChoiceField label="Link" value={event.link ?? ''} choices={mechanism.links.map((l) => [l.name, l.label || l.name])} on_commit={(link) => send(set({ link }))} />}
+          {mechanism && <ChoiceField label="Link" value={event.link ?? ''} choices={mechanism.links.map((l) => [l.name, say_label(l.label || l.name)])} on_commit={(link) => send(set({ link }))} />}
           <VectorFields label="Force" unit="N" step={1} value={event.force ?? [0, 0, 0]} on_commit={(force) => send(set({ force }))} />
         </>
       )}
@@ -212,7 +212,7 @@ function EntryFacts({ entry, doc }: { entry: LibraryEntry; doc: ScenarioDocument
         {entry.kind === 'motion' ? 'Motion' : 'Mechanism'} <span className="of">{entry.name}</span>
       </h3>
       <p className="facts">{describe_entry(entry)}</p>
-      {entry.summary && <p className="note">{entry.summary}</p>}
+      {entry.summary && entry.summary !== describe_entry(entry) && <p className="note">{entry.summary}</p>}
       {tags_of(entry).length > 0 && (
         <div className="tags">
           {tags_of(entry).map((tag) => (

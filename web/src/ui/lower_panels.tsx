@@ -144,10 +144,21 @@ export function CircuitPanel(): ReactElement {
   const circuit = useStudio((s) => s.circuit);
   const layout = useMemo(() => (circuit ? lay_out_circuit(circuit) : null), [circuit]);
   const [hovered, set_hovered] = useState<string | null>(null);
+  const panel = useRef<HTMLDivElement>(null);
+  const [scale, set_scale] = useState(1);
+  useLayoutEffect(() => {
+    const element = panel.current;
+    if (!element || !layout) return;
+    // the whole of it if its words stay readable, else to be scrolled
+    const fit = (): void => set_scale(Math.min(1, Math.max(0.62, Math.min(element.clientHeight / layout.height, element.clientWidth / layout.width))));
+    const observer = new ResizeObserver(fit);
+    observer.observe(element);
+    return () => observer.disconnect();
+  }, [layout]);
   if (!layout) return <div className="panel empty">The service has not given its circuit.</div>;
   return (
-    <div className="panel circuit">
-      <svg viewBox={`0 0 ${layout.width} ${layout.height}`} style={{ width: layout.width, height: layout.height }} role="img" aria-label="The execution circuit">
+    <div ref={panel} className="panel circuit" tabIndex={0}>
+      <svg viewBox={`0 0 ${layout.width} ${layout.height}`} style={{ width: layout.width * scale, height: layout.height * scale, display: 'block' }} role="img" aria-label="The execution circuit">
         {layout.wires.map((wire, i) => (
           <path key={i} className={hovered && (wire.from === hovered || wire.to === hovered) ? 'wire lit' : 'wire'} d={wire.path} style={{ stroke: `var(--pin-${wire.hue})` }}>
             <title>{wire.title}</title>

@@ -114,8 +114,8 @@ export class Spring {
     const points: number[] = [from.x, from.y, from.z];
     if (side.lengthSq() > 1e-12 && length > size * 4) {
       side.normalize();
-      const turns = 9;
-      const amplitude = Math.min(size * 1.7, (size * 3.2 * 0.6) / Math.max(length, 0.25));
+      const turns = 8;
+      const amplitude = Math.min(size * 1.3, length * 0.05);
       for (let i = 0; i <= turns * 2; i++) {
         const t = 0.12 + (0.76 * i) / (turns * 2);
         const a = i === 0 || i === turns * 2 ? 0 : i % 2 === 0 ? amplitude : -amplitude;

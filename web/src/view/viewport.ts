@@ -4,6 +4,7 @@
  */
 import * as THREE from 'three';
 import { find_character } from '../core/document';
+import { say_label } from '../core/format';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, FigureState, type Frame } from '../core/frames';
 import type { MechanismData } from '../core/protocol';
 import type { Session } from '../core/session';
@@ -171,7 +172,7 @@ export class Viewport {
 
   link_label(tag: LinkTag): string {
     const link = this.drawn.get(tag.character)?.figure.mechanism.links[tag.link];
-    return link?.label || link?.name || '';
+    return say_label(link?.label || link?.name || '');
   }
 
   /** The figure's bounds as drawn now; null where there is none. */
