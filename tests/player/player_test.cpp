@@ -190,6 +190,11 @@ TEST(Player, RecordedInputsReplayToTheSameBits) {
   b.reset();
   run(b, 387);
   EXPECT_EQ(b.state_hash(), a.state_hash());
+  Player late = open(bytes);
+  run(late, 120);
+  late.schedule(a.inputs());  // the push of step 100 is past and acts no more
+  run(late, 267);
+  EXPECT_EQ(late.inputs().size(), 53u);
 }
 
 TEST(Player, IgnoresInputsThatMeanNothing) {
@@ -289,6 +294,28 @@ TEST(Ugx, KeepsSectionsAndAlignsThem) {
   EXPECT_EQ(ugx->find("none")->bytes.size(), 0u);
   EXPECT_EQ(ugx->find("three"), nullptr);
   for (const UgxSection& s : ugx->sections()) EXPECT_EQ((s.bytes.data() - file.data()) % 64, 0);
+}
+
+TEST(Ugx, EveryByteThatCountsIsChecked) {
+  UgxWriter writer;
+  writer.add("one", "text");
+  writer.add("two", std::vector<std::byte>(100, std::byte{7}));
+  const std::vector<std::byte> file = writer.finish();
+  const auto ugx = read_ugx(file);
+  ASSERT_TRUE(ugx);
+  for (std::size_t at = 0; at < file.size(); ++at) {
+    bool counts = at < 32 || (at >= 64 && at < 64 + 2 * 64);  // header and table
+    for (const UgxSection& s : ugx->sections()) {
+      const auto begin = static_cast<std::size_t>(s.bytes.data() - file.data());
+      counts = counts || (at >= begin && at < begin + s.bytes.size());
+    }
+    std::vector<std::byte> damaged = file;
+    damaged[at] ^= std::byte{1};
+    EXPECT_EQ(!read_ugx(damaged), counts) << at;
+  }
+  std::vector<std::byte> longer = file;
+  longer.push_back(std::byte{0});
+  EXPECT_FALSE(read_ugx(longer));
 }
 
 }  // namespace
