@@ -101,7 +101,7 @@ export class CameraRig {
       const k = 1 - Math.exp(-dt / follow_time);
       const step = this.follow_goal.clone().sub(this.followed).multiplyScalar(k);
       step.z *= 0.35;
-      if (step.lengthSq() > 1e-10) {
+      if (step.lengthSq() > 1e-7) {
         this.followed.add(step);
         this.goal.target.add(step);
         this.eye.target.add(step);
@@ -115,7 +115,10 @@ export class CameraRig {
       Math.abs(eye.azimuth - goal.azimuth) +
       Math.abs(eye.elevation - goal.elevation) +
       Math.abs(eye.distance - goal.distance) / goal.distance;
-    if (error > 1e-4) {
+    if (error > 0 && error <= 5e-4) {
+      this.eye = copy_eye(goal);
+      moving = true;
+    } else if (error > 0) {
       eye.target.lerp(goal.target, k);
       eye.azimuth += (goal.azimuth - eye.azimuth) * k;
       eye.elevation += (goal.elevation - eye.elevation) * k;
