@@ -27,7 +27,9 @@ Json summary_of(const store::LibraryEntry& entry) {
 }
 
 Json entry_json(const store::LibraryEntry& entry) {
-  return {{"id", entry.id}, {"kind", store::name_of(entry.kind)}, {"name", entry.name}, {"tags", entry.tags}, {"created", entry.created}, {"bytes", entry.size}, {"summary", summary_of(entry)}};
+  return {
+      {"id", entry.id},      {"kind", store::name_of(entry.kind)}, {"name", entry.name}, {"tags", entry.tags}, {"created", entry.created},
+      {"bytes", entry.size}, {"summary", summary_of(entry)}};
 }
 
 std::string number_cell(const Json& summary, const char* key, int digits) {
@@ -61,12 +63,15 @@ int list(const Options& options) {
       print_json({{"library", path}, {"entries", std::move(rows)}});
       return;
     }
-    if (entries.empty()) return print_line(options.words.empty() && options.tags.empty() ? "The library is empty. Put something in with: ugoki import FILE" : "Nothing fits.");
+    if (entries.empty())
+      return print_line(options.words.empty() && options.tags.empty() ? "The library is empty. Put something in with: ugoki import FILE"
+                                                                      : "Nothing fits.");
     std::vector<std::vector<std::string>> rows = {{"id", "kind", "name", "frames", "s", "freedoms", "kg", "tags"}};
     for (const store::LibraryEntry& entry : entries) {
       const Json summary = summary_of(entry);
-      rows.push_back({entry.id, std::string(store::name_of(entry.kind)), entry.name, number_cell(summary, "frames", 0), number_cell(summary, "duration", 2),
-                      number_cell(summary, "freedoms", 0), number_cell(summary, "mass", 1), joined(entry.tags, ",")});
+      rows.push_back({entry.id, std::string(store::name_of(entry.kind)), entry.name, number_cell(summary, "frames", 0),
+                      number_cell(summary, "duration", 2), number_cell(summary, "freedoms", 0), number_cell(summary, "mass", 1),
+                      joined(entry.tags, ",")});
     }
     print_table(rows);
   };
@@ -96,13 +101,16 @@ int show(const Options& options) {
     print_line("tags     " + joined(entry->tags, ", "));
     print_line("created  " + entry->created);
     print_line("bytes    " + std::to_string(entry->size));
-    for (const auto& [key, value] : summary_of(*entry).items()) print_line(key + std::string(key.size() < 9 ? 9 - key.size() : 1, ' ') + (value.is_string() ? value.get<std::string>() : value.dump()));
+    for (const auto& [key, value] : summary_of(*entry).items())
+      print_line(key + std::string(key.size() < 9 ? 9 - key.size() : 1, ' ') +
+                 (value.is_string() ? value.get<std::string>() : value.dump()));
     return {};
   });
 }
 
 /// Runs `change` on each entry that the options name.
-int change_entries(const Options& options, const std::vector<std::string>& names, const std::function<Result<void>(store::Library&, const store::LibraryEntry&)>& change) {
+int change_entries(const Options& options, const std::vector<std::string>& names,
+                   const std::function<Result<void>(store::Library&, const store::LibraryEntry&)>& change) {
   return with_library(options, true, [&](store::Library& library) -> Result<void> {
     std::vector<store::LibraryEntry> entries;
     for (const std::string& name : names) {  // all are found before anything is changed
@@ -152,7 +160,8 @@ void add_db_verb(CLI::App& app, Action& action) {
   CLI::App* db = app.add_subcommand("db", "List, find and change what the library holds.");
   db->require_subcommand(1);
   db->footer("Example:\n  ugoki db list --kind motion\n  ugoki db find walk\n  ugoki db export walk walk.bvh");
-  const auto add = [&](const char* name, const char* about, const char* example, const std::function<void(CLI::App&, Options&)>& declare, int (*run)(const Options&)) {
+  const auto add = [&](const char* name, const char* about, const char* example, const std::function<void(CLI::App&, Options&)>& declare,
+                       int (*run)(const Options&)) {
     auto options = std::make_shared<Options>();
     CLI::App* verb = db->add_subcommand(name, about);
     declare(*verb, *options);
@@ -162,35 +171,51 @@ void add_db_verb(CLI::App& app, Action& action) {
     verb->callback([options, run, &action] { action = [options, run] { return run(*options); }; });
   };
   const auto filters = [](CLI::App& verb, Options& o) {
-    verb.add_option("--kind", o.kinds, "Only mechanism, motion or measured")->delimiter(',')->check(CLI::IsMember({"mechanism", "motion", "measured"}));
+    verb.add_option("--kind", o.kinds, "Only mechanism, motion or measured")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"mechanism", "motion", "measured"}));
     verb.add_option("--tag", o.tags, "Only entries with these tags")->delimiter(',');
   };
-  const auto one_entry = [](CLI::App& verb, Options& o) { verb.add_option("entry", o.entry, "Name, id or beginning of an id")->required(); };
+  const auto one_entry = [](CLI::App& verb, Options& o) {
+    verb.add_option("entry", o.entry, "Name, id or beginning of an id")->required();
+  };
   add("list", "All entries.", "ugoki db list --kind motion --tag walk", filters, list);
-  add("find", "Entries with these words in name, tags or summary.", "ugoki db find cmu walk",
+  add(
+      "find", "Entries with these words in name, tags or summary.", "ugoki db find cmu walk",
       [&](CLI::App& verb, Options& o) {
         verb.add_option("words", o.words, "Words, or their beginnings")->required();
         filters(verb, o);
       },
       list);
   add("show", "All about one entry.", "ugoki db show walk", one_entry, show);
-  add("tag", "Add and remove tags.", "ugoki db tag walk --add slow,cmu --remove new",
+  add(
+      "tag", "Add and remove tags.", "ugoki db tag walk --add slow,cmu --remove new",
       [&](CLI::App& verb, Options& o) {
         verb.add_option("entries", o.entries, "Names or ids")->required();
         verb.add_option("--add", o.add, "Tags to add")->delimiter(',');
         verb.add_option("--remove", o.remove, "Tags to remove")->delimiter(',');
       },
-      [](const Options& o) { return change_entries(o, o.entries, [&](store::Library& l, const store::LibraryEntry& e) { return l.set_tags(e.id, o.add, o.remove); }); });
-  add("rename", "Give an entry another name.", "ugoki db rename walk stroll",
+      [](const Options& o) {
+        return change_entries(o, o.entries,
+                              [&](store::Library& l, const store::LibraryEntry& e) { return l.set_tags(e.id, o.add, o.remove); });
+      });
+  add(
+      "rename", "Give an entry another name.", "ugoki db rename walk stroll",
       [&](CLI::App& verb, Options& o) {
         one_entry(verb, o);
         verb.add_option("name", o.name, "New name")->required();
       },
-      [](const Options& o) { return change_entries(o, {o.entry}, [&](store::Library& l, const store::LibraryEntry& e) { return l.rename(e.id, o.name); }); });
-  add("remove", "Take entries out.", "ugoki db remove walk",
+      [](const Options& o) {
+        return change_entries(o, {o.entry}, [&](store::Library& l, const store::LibraryEntry& e) { return l.rename(e.id, o.name); });
+      });
+  add(
+      "remove", "Take entries out.", "ugoki db remove walk",
       [&](CLI::App& verb, Options& o) { verb.add_option("entries", o.entries, "Names or ids")->required(); },
-      [](const Options& o) { return change_entries(o, o.entries, [](store::Library& l, const store::LibraryEntry& e) { return l.remove(e.id); }); });
-  add("export", "Write an entry to a file: a mechanism as JSON, measured data as BVH, a motion as bytes.", "ugoki db export walk walk.bvh",
+      [](const Options& o) {
+        return change_entries(o, o.entries, [](store::Library& l, const store::LibraryEntry& e) { return l.remove(e.id); });
+      });
+  add(
+      "export", "Write an entry to a file: a mechanism as JSON, measured data as BVH, a motion as bytes.", "ugoki db export walk walk.bvh",
       [&](CLI::App& verb, Options& o) {
         one_entry(verb, o);
         verb.add_option("file", o.out, "The file to write")->required();

@@ -64,8 +64,10 @@ Result<Json> import_one(const std::string& path, const Options& options, store::
   if (taken->metres_per_unit > 0) row["metres_per_unit"] = taken->metres_per_unit;
   if (!options.bvh.empty() && taken->measured) {
     std::error_code ignored;
-    const std::string out = fs::is_directory(options.bvh, ignored) ? (fs::path(options.bvh) / (fs::path(path).stem().string() + ".bvh")).string() : options.bvh;
-    if (fs::equivalent(out, path, ignored)) return fail(ErrorCode::conflict, out, "This is the file that is imported.", "Write the copy elsewhere.");
+    const std::string out =
+        fs::is_directory(options.bvh, ignored) ? (fs::path(options.bvh) / (fs::path(path).stem().string() + ".bvh")).string() : options.bvh;
+    if (fs::equivalent(out, path, ignored))
+      return fail(ErrorCode::conflict, out, "This is the file that is imported.", "Write the copy elsewhere.");
     const Result<double> error = write_back(*taken->measured, out);
     if (!error) return fail(error.error());
     row["bvh"] = out;
@@ -111,8 +113,9 @@ int run_import(const Options& options) {
       if (interrupted()) break;
       continue;
     }
-    table.push_back({(*row)["name"], cell(*row, "frames", 0), cell(*row, "joints", 0), cell(*row, "duration_s", 3), cell(*row, "rate", 2), cell(*row, "height_m", 3),
-                     cell(*row, "mass_kg", 2), cell(*row, "freedoms", 0), row->contains("ids") && (*row)["ids"].contains("motion") ? (*row)["ids"]["motion"].get<std::string>() : "-"});
+    table.push_back({(*row)["name"], cell(*row, "frames", 0), cell(*row, "joints", 0), cell(*row, "duration_s", 3), cell(*row, "rate", 2),
+                     cell(*row, "height_m", 3), cell(*row, "mass_kg", 2), cell(*row, "freedoms", 0),
+                     row->contains("ids") && (*row)["ids"].contains("motion") ? (*row)["ids"]["motion"].get<std::string>() : "-"});
     files.push_back(std::move(*row));
   }
   progress.clear();
@@ -124,7 +127,8 @@ int run_import(const Options& options) {
   for (const Json& file : files) {
     for (const Json& line : file["report"]) print_line(file["name"].get<std::string>() + ": " + line.get<std::string>());
     if (file.contains("bvh"))
-      print_line(file["name"].get<std::string>() + ": written back to " + file["bvh"].get<std::string>() + "; no joint is off by more than " + to_text(file["bvh_error_m"].get<double>()) + " m.");
+      print_line(file["name"].get<std::string>() + ": written back to " + file["bvh"].get<std::string>() +
+                 "; no joint is off by more than " + to_text(file["bvh_error_m"].get<double>()) + " m.");
   }
   return failed ? 1 : 0;
 }
@@ -137,10 +141,15 @@ void add_import_verb(CLI::App& app, Action& action) {
   verb->add_option("files", options->files, "BVH, AMC (with their ASF) or mechanism JSON files")->required();
   verb->add_option("--name", options->source.intake.name, "Name of the entries (one file only; otherwise the file's name)");
   verb->add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas")->delimiter(',');
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")->check(CLI::Range(1e-6, 1000.0));
-  verb->add_option("--rate", options->source.intake.rate, "Frames a second of AMC files, which do not tell")->check(CLI::Range(1.0, 10000.0))->capture_default_str();
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")
+      ->check(CLI::Range(0.1, 30.0));
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")
+      ->check(CLI::Range(0.01, 100000.0));
+  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")
+      ->check(CLI::Range(1e-6, 1000.0));
+  verb->add_option("--rate", options->source.intake.rate, "Frames a second of AMC files, which do not tell")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->capture_default_str();
   verb->add_option("--asf", options->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
   verb->add_option("--bvh", options->bvh, "Write the measured motion back as BVH: a file, or a folder for several");
   verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
@@ -149,7 +158,8 @@ void add_import_verb(CLI::App& app, Action& action) {
   verb->footer("Example:\n  ugoki import walk.bvh --tags walk,slow\n  ugoki import 12_01.amc --asf 12.asf --mass 70 --bvh copy.bvh");
   verb->callback([options, &action] {
     std::error_code ignored;
-    if (options->files.size() > 1 && !options->source.intake.name.empty()) throw CLI::ValidationError("--name", "names one file's entries; give one file.");
+    if (options->files.size() > 1 && !options->source.intake.name.empty())
+      throw CLI::ValidationError("--name", "names one file's entries; give one file.");
     if (options->files.size() > 1 && !options->bvh.empty() && !fs::is_directory(options->bvh, ignored))
       throw CLI::ValidationError("--bvh", "must be an existing folder when there are several files.");
     action = [options] { return run_import(*options); };

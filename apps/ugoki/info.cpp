@@ -33,7 +33,8 @@ Json mechanism_json(const Mechanism& m) {
                      {"mass_kg", link.inertia.mass},
                      {"shapes", link.shapes.size()}});
   }
-  return {{"name", m.name()}, {"links_count", m.link_count()}, {"freedoms", m.nv()}, {"coordinates", m.nq()}, {"mass_kg", m.mass()}, {"loops", m.has_loops()}, {"links", std::move(links)}};
+  return {{"name", m.name()},    {"links_count", m.link_count()}, {"freedoms", m.nv()},       {"coordinates", m.nq()},
+          {"mass_kg", m.mass()}, {"loops", m.has_loops()},        {"links", std::move(links)}};
 }
 
 Json motion_json(const Motion& m) {
@@ -43,12 +44,19 @@ Json motion_json(const Motion& m) {
     for (const std::uint8_t x : c.on) on += x != 0;
     contacts.push_back({{"link", c.link}, {"share", m.frames > 0 ? static_cast<double>(on) / m.frames : 0.0}});
   }
-  return {{"name", m.name}, {"source", m.source}, {"mechanism", m.mechanism}, {"frames", m.frames}, {"rate", m.rate}, {"duration_s", m.duration()}, {"coordinates", m.nq}, {"cyclic", m.cyclic}, {"contacts", std::move(contacts)}};
+  return {{"name", m.name},      {"source", m.source}, {"mechanism", m.mechanism},
+          {"frames", m.frames},  {"rate", m.rate},     {"duration_s", m.duration()},
+          {"coordinates", m.nq}, {"cyclic", m.cyclic}, {"contacts", std::move(contacts)}};
 }
 
 Json measured_json(const MeasuredMotion& m) {
   Json joints = Json::array();
-  for (const SkeletonJoint& j : m.skeleton.joints) joints.push_back({{"name", j.name}, {"parent", j.parent}, {"freedoms", j.freedoms.size()}, {"order", j.rotation_order}, {"translates", j.translates}});
+  for (const SkeletonJoint& j : m.skeleton.joints)
+    joints.push_back({{"name", j.name},
+                      {"parent", j.parent},
+                      {"freedoms", j.freedoms.size()},
+                      {"order", j.rotation_order},
+                      {"translates", j.translates}});
   return {{"name", m.name},
           {"source", m.source},
           {"frames", m.frames},
@@ -63,7 +71,11 @@ Json measured_json(const MeasuredMotion& m) {
 Json scenario_json(const content::Scenario& s) {
   Json characters = Json::array();
   for (const content::ScenarioCharacter& c : s.characters)
-    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"mode", c.control.mode == content::ControlMode::track ? "track" : "passive"}, {"clips", c.track.size()}});
+    characters.push_back({{"id", c.id},
+                          {"name", c.name},
+                          {"mechanism", c.mechanism},
+                          {"mode", c.control.mode == content::ControlMode::track ? "track" : "passive"},
+                          {"clips", c.track.size()}});
   return {{"name", s.name},
           {"duration_s", s.duration},
           {"frame_rate", s.frame_rate},
@@ -106,10 +118,14 @@ Result<Json> info_of_executable(const std::string& path) {
   const Result<content::Executable> executable = content::read_executable(bytes, path);
   if (!executable) return fail(executable.error());
   Json sections = Json::array();
-  for (const content::UgxSection& s : content::read_ugx(bytes)->sections()) sections.push_back({{"name", s.name}, {"bytes", s.bytes.size()}});
+  for (const content::UgxSection& s : content::read_ugx(bytes)->sections())
+    sections.push_back({{"name", s.name}, {"bytes", s.bytes.size()}});
   Json characters = Json::array();
   for (const content::ExecutableCharacter& c : executable->characters)
-    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", executable->mechanism_ids[static_cast<std::size_t>(c.mechanism)]}, {"clips", c.track.size()}});
+    characters.push_back({{"id", c.id},
+                          {"name", c.name},
+                          {"mechanism", executable->mechanism_ids[static_cast<std::size_t>(c.mechanism)]},
+                          {"clips", c.track.size()}});
   return Json{{"kind", "executable data"},
               {"name", executable->name},
               {"version", content::ugx_version},
@@ -193,16 +209,22 @@ void print_text(const Json& json, const std::string& indent) {
       for (const Json& row : value) {
         std::vector<std::string> cells;
         for (const auto& [column, cell] : row.items())
-          cells.push_back(indent + "  " + (cell.is_string() ? cell.get<std::string>() : cell.is_number_float() ? to_fixed(cell.get<double>(), 3) : cell.dump()));
+          cells.push_back(indent + "  " +
+                          (cell.is_string()         ? cell.get<std::string>()
+                           : cell.is_number_float() ? to_fixed(cell.get<double>(), 3)
+                                                    : cell.dump()));
         rows.push_back(std::move(cells));
       }
       print_table(rows);
     } else if (value.is_array()) {
       std::string text;
-      for (const Json& item : value) text += (text.empty() ? "" : "\n" + indent + std::string(18, ' ')) + (item.is_string() ? item.get<std::string>() : item.dump());
+      for (const Json& item : value)
+        text += (text.empty() ? "" : "\n" + indent + std::string(18, ' ')) + (item.is_string() ? item.get<std::string>() : item.dump());
       print_line(indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ') + text);
     } else {
-      const std::string text = value.is_string() ? value.get<std::string>() : value.is_number_float() ? to_text(value.get<double>()) : value.dump();
+      const std::string text = value.is_string()         ? value.get<std::string>()
+                               : value.is_number_float() ? to_text(value.get<double>())
+                                                         : value.dump();
       print_line(indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ') + text);
     }
   }

@@ -49,7 +49,8 @@ std::vector<Judgement> judge_motion(const ClipSource& clip, const Options& optio
     skate.add(X_WB, on, 1 / motion.rate);
     penetration.add(X_WB);
   }
-  return {{"foot skate", "cm", skate.mean_per_stance_cm(), options.most_skate}, {"ground penetration", "mm", penetration.worst_mm(), options.most_penetration}};
+  return {{"foot skate", "cm", skate.mean_per_stance_cm(), options.most_skate},
+          {"ground penetration", "mm", penetration.worst_mm(), options.most_penetration}};
 }
 
 std::vector<Judgement> judge_run(const content::PlayerMeasures& m, const Options& options) {
@@ -62,7 +63,8 @@ std::vector<Judgement> judge_run(const content::PlayerMeasures& m, const Options
 
 Json to_json(const std::vector<Judgement>& judgements) {
   Json list = Json::array();
-  for (const Judgement& j : judgements) list.push_back({{"measure", j.measure}, {"unit", j.unit}, {"value", j.value}, {"limit", j.limit}, {"good", j.good()}});
+  for (const Judgement& j : judgements)
+    list.push_back({{"measure", j.measure}, {"unit", j.unit}, {"value", j.value}, {"limit", j.limit}, {"good", j.good()}});
   return list;
 }
 
@@ -126,7 +128,8 @@ int run_judge(const Options& options) {
   } else {
     std::vector<std::vector<std::string>> rows = {{"part", "measure", "value", "limit", "unit", ""}};
     for (const auto& [part, judgements] : verdict->parts)
-      for (const Judgement& j : judgements) rows.push_back({part, j.measure, to_fixed(j.value, 3), to_fixed(j.limit, 3), j.unit, j.good() ? "good" : "TOO MUCH"});
+      for (const Judgement& j : judgements)
+        rows.push_back({part, j.measure, to_fixed(j.value, 3), to_fixed(j.limit, 3), j.unit, j.good() ? "good" : "TOO MUCH"});
     print_line(verdict->name);
     print_table(rows);
   }
@@ -147,8 +150,10 @@ void add_judge_verb(CLI::App& app, Action& action) {
   verb->add_option("--most-skate", options->most_skate, "Greatest foot skate, cm a stance")->capture_default_str();
   verb->add_option("--most-penetration", options->most_penetration, "Greatest ground penetration, mm")->capture_default_str();
   verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")
+      ->check(CLI::Range(0.1, 30.0));
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")
+      ->check(CLI::Range(0.01, 100000.0));
   verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki judge walk.bvh\n  ugoki judge park.ugoki --strict");

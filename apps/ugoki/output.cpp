@@ -32,18 +32,21 @@ std::string_view name_of(ErrorCode code) {
 
 /// Columns of a UTF-8 text on the screen, near enough.
 std::size_t width_of(std::string_view text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 bool is_number(std::string_view text) {
-  return text.empty() || text == "-" || (text.find_first_not_of("0123456789.+-e") == std::string_view::npos && text.find_first_of("0123456789") != std::string_view::npos);
+  return text.empty() || text == "-" ||
+         (text.find_first_not_of("0123456789.+-e") == std::string_view::npos && text.find_first_of("0123456789") != std::string_view::npos);
 }
 
 }  // namespace
 
 Json to_json(const Error& error) {
   Json problems = Json::array();
-  for (const Problem& p : error.problems) problems.push_back({{"code", name_of(p.code)}, {"place", p.place}, {"message", p.message}, {"remedy", p.remedy}});
+  for (const Problem& p : error.problems)
+    problems.push_back({{"code", name_of(p.code)}, {"place", p.place}, {"message", p.message}, {"remedy", p.remedy}});
   return {{"problems", std::move(problems)}};
 }
 
@@ -107,7 +110,7 @@ void Progress::clear() {
 }
 
 void catch_interrupt() {
-  struct sigaction act {};
+  struct sigaction act{};
   act.sa_handler = [](int) { interrupt_mark = 1; };
   ::sigaction(SIGINT, &act, nullptr);
   ::sigaction(SIGTERM, &act, nullptr);

@@ -31,18 +31,20 @@ struct Options {
 struct Content {
   std::string name;
   std::vector<std::byte> ugx;
-  int frames = 0;          ///< measured frames of a clip, display frames otherwise
+  int frames = 0;  ///< measured frames of a clip, display frames otherwise
   double height = 0;
 };
 
 /// The push and the cap that the options ask for, on the first character that follows a track.
 Result<void> apply_options(content::Scenario& s, const content::Resources& resources, const Options& options) {
   if (options.rate_given) s.step = 1 / options.rate;
-  const auto figure = std::find_if(s.characters.begin(), s.characters.end(), [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
+  const auto figure = std::find_if(s.characters.begin(), s.characters.end(),
+                                   [](const content::ScenarioCharacter& c) { return c.control.mode == content::ControlMode::track; });
   if (options.assist_limit >= 0)
     for (content::ScenarioCharacter& c : s.characters) c.control.assist_limit = options.assist_limit;
   if (options.push == 0) return {};
-  if (figure == s.characters.end()) return fail(ErrorCode::structure, "--push", "The content has no character that follows a track.", "Leave --push out.");
+  if (figure == s.characters.end())
+    return fail(ErrorCode::structure, "--push", "The content has no character that follows a track.", "Leave --push out.");
   content::ScenarioEvent push;
   push.id = "command-line-push";
   push.time = options.push_time;
@@ -57,7 +59,8 @@ Result<void> apply_options(content::Scenario& s, const content::Resources& resou
   const Mechanism& mechanism = *resources.mechanisms.at(figure->mechanism);
   if (content::find_link(mechanism, push.link) < 0) {
     std::string links;
-    for (const Link& link : mechanism.links()) links += (links.empty() ? "" : ", ") + (link.label.empty() ? link.name : link.name + " (" + link.label + ")");
+    for (const Link& link : mechanism.links())
+      links += (links.empty() ? "" : ", ") + (link.label.empty() ? link.name : link.name + " (" + link.label + ")");
     return fail(ErrorCode::unknown, "--push-link", "The figure has no link '" + push.link + "'.", "It has: " + links + ".");
   }
   s.events.push_back(push);
@@ -70,7 +73,8 @@ Result<Content> load(const Options& options) {
   Content out;
   if (*kind == TargetKind::executable) {
     if (options.push != 0 || options.rate_given || options.assist_limit >= 0)
-      return fail(ErrorCode::unsupported, options.target, "Executable data run as they were generated, without other rate, push or cap.", "Give the project instead.");
+      return fail(ErrorCode::unsupported, options.target, "Executable data run as they were generated, without other rate, push or cap.",
+                  "Give the project instead.");
     const Result<std::string> text = files::read_file(options.target);
     if (!text) return fail(text.error());
     const auto* p = reinterpret_cast<const std::byte*>(text->data());
@@ -119,7 +123,8 @@ int run_run(const Options& options) {
   Result<Content> content = load(options);
   if (!content) return print_error(content.error(), options.json);
   if (!options.executable.empty())
-    if (Result<void> written = files::write_file(options.executable, std::span<const std::byte>(content->ugx)); !written) return print_error(written.error(), options.json);
+    if (Result<void> written = files::write_file(options.executable, std::span<const std::byte>(content->ugx)); !written)
+      return print_error(written.error(), options.json);
   Result<RunReport> report = simulate(content->ugx, content->name, {options.duration, options.frames});
   if (!report) return print_error(report.error(), options.json);
   const content::PlayerMeasures worst = report->worst();
@@ -130,7 +135,11 @@ int run_run(const Options& options) {
   for (std::size_t i = 0; i < 16; ++i) hash[i] = "0123456789abcdef"[(report->state_hash >> (60 - 4 * i)) & 15];
   if (options.json) {
     const long frames = content->frames > 0 ? content->frames : std::lround(report->duration * report->frame_rate);
-    Json json = {{"clip", content->name}, {"frames", frames}, {"duration_s", report->duration}, {"steps", report->steps}, {"steps_per_s", report->steps_per_second()}};
+    Json json = {{"clip", content->name},
+                 {"frames", frames},
+                 {"duration_s", report->duration},
+                 {"steps", report->steps},
+                 {"steps_per_s", report->steps_per_second()}};
     json.update(measures_json(worst));
     json["realtime_factor"] = report->realtime_factor();
     json["realtime_factor_cpu"] = report->processor_realtime_factor();
@@ -147,17 +156,19 @@ int run_run(const Options& options) {
     print_json(json);
     return 0;
   }
-  print_line(content->name + ": " + to_fixed(report->duration, 2) + " s in " + std::to_string(report->steps) + " steps of " + to_fixed(1000 * report->step, 3) + " ms, " +
-             to_fixed(report->realtime_factor(), 1) + " times faster than real time, state " + hash);
-  std::vector<std::vector<std::string>> rows = {{"character", "tracking deg", "assist bw", "skate cm", "penetration mm", "let go s", "fell"}};
+  print_line(content->name + ": " + to_fixed(report->duration, 2) + " s in " + std::to_string(report->steps) + " steps of " +
+             to_fixed(1000 * report->step, 3) + " ms, " + to_fixed(report->realtime_factor(), 1) + " times faster than real time, state " +
+             hash);
+  std::vector<std::vector<std::string>> rows = {
+      {"character", "tracking deg", "assist bw", "skate cm", "penetration mm", "let go s", "fell"}};
   for (const CharacterReport& c : report->characters) {
     if (!c.tracks) {
       rows.push_back({c.name, "-", "-", "-", "-", "-", "-"});
       continue;
     }
     const content::PlayerMeasures& m = c.measures;
-    rows.push_back({c.name, to_fixed(m.tracking_rms_deg, 2), to_fixed(m.assist_rms_bw, 3), to_fixed(m.foot_skate_cm, 2), to_fixed(m.penetration_mm, 1),
-                    m.let_go_time >= 0 ? to_fixed(m.let_go_time, 2) : "-", m.fell ? "yes" : "no"});
+    rows.push_back({c.name, to_fixed(m.tracking_rms_deg, 2), to_fixed(m.assist_rms_bw, 3), to_fixed(m.foot_skate_cm, 2),
+                    to_fixed(m.penetration_mm, 1), m.let_go_time >= 0 ? to_fixed(m.let_go_time, 2) : "-", m.fell ? "yes" : "no"});
   }
   print_table(rows);
   return 0;
@@ -169,26 +180,36 @@ void add_run_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("run", "Run a clip, a project or executable data as dynamics, and measure.");
   verb->add_option("target", options->target, "BVH or AMC file, motion of the library, *.ugoki or *.ugx")->required();
-  CLI::Option* rate = verb->add_option("--rate", options->rate, "Steps a second (a project has its own)")->check(CLI::Range(250.0, 2000.0))->capture_default_str();
+  CLI::Option* rate = verb->add_option("--rate", options->rate, "Steps a second (a project has its own)")
+                          ->check(CLI::Range(250.0, 2000.0))
+                          ->capture_default_str();
   verb->add_option("--duration", options->duration, "Seconds to run (otherwise all)")->check(CLI::Range(0.0005, 86400.0));
   verb->add_option("--push", options->push, "Push with this force in N")->check(CLI::Range(-1e6, 1e6));
   verb->add_option("--push-time", options->push_time, "When to push, s")->check(CLI::Range(0.0, 86400.0))->capture_default_str();
-  verb->add_option("--push-duration", options->push_duration, "How long to push, s")->check(CLI::Range(0.0005, 3600.0))->capture_default_str();
+  verb->add_option("--push-duration", options->push_duration, "How long to push, s")
+      ->check(CLI::Range(0.0005, 3600.0))
+      ->capture_default_str();
   verb->add_option("--push-link", options->push_link, "Link to push, by name or label")->capture_default_str();
-  verb->add_option("--push-direction", options->push_direction, "Direction x,y; x is where the figure faces at the start, y its left")->delimiter(',')->expected(2);
+  verb->add_option("--push-direction", options->push_direction, "Direction x,y; x is where the figure faces at the start, y its left")
+      ->delimiter(',')
+      ->expected(2);
   verb->add_option("--assist-limit", options->assist_limit, "Cap of the root assist, body weights")->check(CLI::Range(0.0, 10.0));
   verb->add_option("--frames", options->frames, "Write the display frames to this file (docs/files.md)");
   verb->add_option("--ugx", options->executable, "Write the executable data to this file");
   verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
-  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
-  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
-  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")->check(CLI::Range(1e-6, 1000.0));
+  verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")
+      ->check(CLI::Range(0.1, 30.0));
+  verb->add_option("--mass", options->source.intake.mass, "Mass of the person in kg (otherwise estimated)")
+      ->check(CLI::Range(0.01, 100000.0));
+  verb->add_option("--unit", options->source.intake.unit, "Metres per unit of length of the file (otherwise guessed)")
+      ->check(CLI::Range(1e-6, 1000.0));
   verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki run walk.bvh --json\n  ugoki run 12_01.amc --push 150 --push-time 2 --push-direction 0,1");
   verb->callback([options, rate, &action] {
     options->rate_given = rate->count() > 0;
-    if (std::hypot(options->push_direction[0], options->push_direction[1]) < 1e-9) throw CLI::ValidationError("--push-direction", "must not be 0,0.");
+    if (std::hypot(options->push_direction[0], options->push_direction[1]) < 1e-9)
+      throw CLI::ValidationError("--push-direction", "must not be 0,0.");
     action = [options] { return run_run(*options); };
   });
 }

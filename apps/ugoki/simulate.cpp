@@ -67,7 +67,8 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
   constexpr std::uint64_t chunk = 64;  // steps between looks at the clock
   for (std::uint64_t done = 0; done < steps;) {
     std::uint64_t until = std::min(steps, done + chunk);
-    if (!options.frames.empty()) until = std::clamp(static_cast<std::uint64_t>(std::llround(frame_number * frame_time / report.step)), done + 1, steps);
+    if (!options.frames.empty())
+      until = std::clamp(static_cast<std::uint64_t>(std::llround(frame_number * frame_time / report.step)), done + 1, steps);
     const auto began = Clock::now();
     const double processor_began = processor_time();
     for (; done < until; ++done)
@@ -84,11 +85,12 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
   report.state_hash = player->state_hash();
   for (std::size_t i = 0; i < content.characters.size(); ++i) {
     const content::ExecutableCharacter& c = content.characters[i];
-    report.characters.push_back({c.id, c.name, content.mechanisms[static_cast<std::size_t>(c.mechanism)]->mass(), c.control.mode == content::ControlMode::track && !c.track.empty(),
-                                 player->measures(static_cast<int>(i))});
+    report.characters.push_back({c.id, c.name, content.mechanisms[static_cast<std::size_t>(c.mechanism)]->mass(),
+                                 c.control.mode == content::ControlMode::track && !c.track.empty(), player->measures(static_cast<int>(i))});
   }
   if (!options.frames.empty())
-    if (Result<void> written = files::write_file(options.frames, std::span<const std::byte>(frames)); !written) return fail(std::move(written.error()));
+    if (Result<void> written = files::write_file(options.frames, std::span<const std::byte>(frames)); !written)
+      return fail(std::move(written.error()));
   return report;
 }
 

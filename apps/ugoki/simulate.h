@@ -13,19 +13,19 @@ namespace ugoki::cli {
 
 struct CharacterReport {
   std::string id, name;
-  double mass = 0;           ///< kg
+  double mass = 0;  ///< kg
   bool tracks = false;
   content::PlayerMeasures measures;
 };
 
 struct RunReport {
   std::string name;
-  double duration = 0;       ///< s simulated
+  double duration = 0;  ///< s simulated
   std::uint64_t steps = 0;
-  double step = 0;           ///< s
-  double frame_rate = 60;    ///< display frames a second
-  double wall = 0;           ///< s spent in steps alone
-  double processor = 0;      ///< s of processor time in steps alone: less than `wall` on a busy machine
+  double step = 0;         ///< s
+  double frame_rate = 60;  ///< display frames a second
+  double wall = 0;         ///< s spent in steps alone
+  double processor = 0;    ///< s of processor time in steps alone: less than `wall` on a busy machine
   std::uint64_t state_hash = 0;
   std::vector<CharacterReport> characters;
 
@@ -37,8 +37,8 @@ struct RunReport {
 };
 
 struct RunOptions {
-  double duration = 0;       ///< s; 0: the content's
-  std::string frames;        ///< file for display frames; empty: none
+  double duration = 0;  ///< s; 0: the content's
+  std::string frames;   ///< file for display frames; empty: none
 };
 
 /// Runs executable data from its beginning, with a progress bar; Ctrl+C ends it without a half-written file.

@@ -18,26 +18,31 @@ namespace fs = std::filesystem;
 
 Result<ClipSource> clip_of(intake::Intake taken) {
   if (!taken.motion) return fail(ErrorCode::structure, taken.source, "It holds a mechanism without motion.", "Give a BVH or AMC file.");
-  return ClipSource{taken.motion->name, taken.mechanism, std::make_shared<const Motion>(std::move(*taken.motion)), taken.body ? taken.body->height : 0};
+  return ClipSource{taken.motion->name, taken.mechanism, std::make_shared<const Motion>(std::move(*taken.motion)),
+                    taken.body ? taken.body->height : 0};
 }
 
 Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions& options) {
   const std::string path = library_path(options.library);
   std::error_code ignored;
   if (!fs::exists(path, ignored))
-    return fail(ErrorCode::unknown, target, "There is no such file, and no library (" + path + ") in which it could be an entry.", "Check the name, or import something first.");
+    return fail(ErrorCode::unknown, target, "There is no such file, and no library (" + path + ") in which it could be an entry.",
+                "Check the name, or import something first.");
   const Result<store::Library> library = store::Library::open_read_only(path);
   if (!library) return fail(library.error());
   Result<store::LibraryEntry> entry = library->resolve(target, "motion");
   if (!entry) {
     Result<store::LibraryEntry> measured = library->resolve(target);
-    if (!measured) return fail(ErrorCode::unknown, target, "There is no such file, and the library (" + path + ") has no such motion.", "List its motions with `ugoki db list --kind motion`.");
+    if (!measured)
+      return fail(ErrorCode::unknown, target, "There is no such file, and the library (" + path + ") has no such motion.",
+                  "List its motions with `ugoki db list --kind motion`.");
     entry = std::move(measured);
   }
   Result<std::vector<std::byte>> data = library->data(entry->id);
   if (!data) return fail(std::move(data.error()));
   const std::string place = "library entry " + entry->id;
-  if (entry->kind == store::EntryKind::mechanism) return fail(ErrorCode::structure, place, "'" + entry->name + "' is a mechanism, not a motion.", "Name a motion.");
+  if (entry->kind == store::EntryKind::mechanism)
+    return fail(ErrorCode::structure, place, "'" + entry->name + "' is a mechanism, not a motion.", "Name a motion.");
   if (entry->kind == store::EntryKind::measured) {
     Result<MeasuredMotion> measured = formats::read_measured_motion(*data, place);
     if (!measured) return fail(std::move(measured.error()));
@@ -51,12 +56,15 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
   Result<Motion> motion = formats::read_motion(*data, place);
   if (!motion) return fail(std::move(motion.error()));
   const Json summary = Json::parse(entry->summary, nullptr, false);
-  const std::string mechanism_id = summary.is_object() && summary.contains("mechanism") && summary["mechanism"].is_string() ? summary["mechanism"].get<std::string>() : "";
+  const std::string mechanism_id = summary.is_object() && summary.contains("mechanism") && summary["mechanism"].is_string()
+                                       ? summary["mechanism"].get<std::string>()
+                                       : "";
   Result<std::vector<std::byte>> mechanism_data = library->data(mechanism_id);
   if (!mechanism_data)
-    return fail(ErrorCode::unknown, place, "The library lacks the mechanism '" + mechanism_id + "' that moves in '" + entry->name + "'.", "Import the measured file again.");
-  Result<MechanismPtr> mechanism =
-      formats::read_mechanism({reinterpret_cast<const char*>(mechanism_data->data()), mechanism_data->size()}, "library entry " + mechanism_id);
+    return fail(ErrorCode::unknown, place, "The library lacks the mechanism '" + mechanism_id + "' that moves in '" + entry->name + "'.",
+                "Import the measured file again.");
+  Result<MechanismPtr> mechanism = formats::read_mechanism({reinterpret_cast<const char*>(mechanism_data->data()), mechanism_data->size()},
+                                                           "library entry " + mechanism_id);
   if (!mechanism) return fail(std::move(mechanism.error()));
   const double height = summary.contains("height") && summary["height"].is_number() ? summary["height"].get<double>() : 0;
   return ClipSource{entry->name, std::move(*mechanism), std::make_shared<const Motion>(std::move(*motion)), height};
@@ -86,10 +94,11 @@ Result<TargetKind> kind_of(const std::string& target) {
     if (!application) return fail(application.error());
     return *application == project::project_application_id ? TargetKind::project : TargetKind::library;
   }
-  if (target.ends_with(".ugoki")) return TargetKind::project;   // opening it says what is wrong
+  if (target.ends_with(".ugoki")) return TargetKind::project;  // opening it says what is wrong
   if (target.ends_with(".ugx")) return TargetKind::executable;
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
-  if (!kind) return fail(ErrorCode::unsupported, target, "This kind of file is not known.", "Give a .bvh, .amc, .json, .ugoki or .ugx file.");
+  if (!kind)
+    return fail(ErrorCode::unsupported, target, "This kind of file is not known.", "Give a .bvh, .amc, .json, .ugoki or .ugx file.");
   return *kind == intake::FileKind::mechanism_json ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
 
@@ -114,7 +123,8 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   const Result<TargetKind> kind = kind_of(target);
   if (!kind) return fail(kind.error());
   if (*kind == TargetKind::entry) return clip_of_entry(target, options);
-  if (*kind != TargetKind::measured_file) return fail(ErrorCode::unsupported, target, "This is no motion.", "Give a .bvh or .amc file, or a motion of the library.");
+  if (*kind != TargetKind::measured_file)
+    return fail(ErrorCode::unsupported, target, "This is no motion.", "Give a .bvh or .amc file, or a motion of the library.");
   Result<intake::Intake> taken = take_in_file(target, options);
   if (!taken) return fail(std::move(taken.error()));
   return clip_of(std::move(*taken));

@@ -17,8 +17,8 @@ namespace ugoki::cli {
 enum class TargetKind { measured_file, mechanism_file, project, library, executable, entry };
 
 struct SourceOptions {
-  std::string library;   ///< path; empty: the default
-  std::string asf;       ///< skeleton for AMC files; empty: beside the file
+  std::string library;  ///< path; empty: the default
+  std::string asf;      ///< skeleton for AMC files; empty: beside the file
   intake::IntakeOptions intake;
 };
 
@@ -36,7 +36,7 @@ struct ClipSource {
   std::string name;
   MechanismPtr mechanism;
   MotionPtr motion;
-  double height = 0;     ///< m; 0: not known
+  double height = 0;  ///< m; 0: not known
 };
 /// From a measured file, or from an entry of the library (motion or measured).
 [[nodiscard]] Result<ClipSource> load_clip(const std::string& target, const SourceOptions& options);

@@ -65,20 +65,20 @@ class CliTest : public ::testing::Test {
 
 TEST_F(CliTest, BadUsageIsStatusTwo) {
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{{},
-                                                                                        {"fly"},
-                                                                                        {"--nonsense"},
-                                                                                        {"import"},
-                                                                                        {"import", "a.bvh", "--height", "tall"},
-                                                                                        {"import", "a.bvh", "b.bvh", "--name", "x"},
-                                                                                        {"run", "a.bvh", "--rate", "20"},
-                                                                                        {"run", "a.bvh", "--push-direction", "0,0"},
-                                                                                        {"run", "a.bvh", "--push-direction", "1"},
-                                                                                        {"db"},
-                                                                                        {"db", "list", "--kind", "poem"},
-                                                                                        {"db", "rename", "x"},
-                                                                                        {"new"},
-                                                                                        {"info"},
-                                                                                        {"judge", "a.bvh", "b.bvh"}}) {
+                                                                                         {"fly"},
+                                                                                         {"--nonsense"},
+                                                                                         {"import"},
+                                                                                         {"import", "a.bvh", "--height", "tall"},
+                                                                                         {"import", "a.bvh", "b.bvh", "--name", "x"},
+                                                                                         {"run", "a.bvh", "--rate", "20"},
+                                                                                         {"run", "a.bvh", "--push-direction", "0,0"},
+                                                                                         {"run", "a.bvh", "--push-direction", "1"},
+                                                                                         {"db"},
+                                                                                         {"db", "list", "--kind", "poem"},
+                                                                                         {"db", "rename", "x"},
+                                                                                         {"new"},
+                                                                                         {"info"},
+                                                                                         {"judge", "a.bvh", "b.bvh"}}) {
     const Output o = ugoki(arguments);
     EXPECT_EQ(o.status, 2) << (arguments.empty() ? "" : arguments[0]) << o.out;
     EXPECT_FALSE(o.err.empty());
@@ -145,7 +145,9 @@ TEST_F(CliTest, BadFilesLeaveTheLibraryAsItWas) {
                                                           {"binary.bvh", std::string("\0\1\2\3\xff\xfe", 6)},
                                                           {"half.bvh", good.substr(0, good.size() / 2)},
                                                           {"head.bvh", good.substr(0, 200)},
-                                                          {"frames.bvh", "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n}\nMOTION\nFrames: 2000000000\nFrame Time: 0.01\n0 0 0\n"},
+                                                          {"frames.bvh",
+                                                           "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation "
+                                                           "Yrotation\n}\nMOTION\nFrames: 2000000000\nFrame Time: 0.01\n0 0 0\n"},
                                                           {"no_skeleton.amc", ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 0 0 0 0 0\n"},
                                                           {"skeleton.asf", ":version 1.10\n"},
                                                           {"mechanism.json", "{\"links\": 3}"},
@@ -200,8 +202,9 @@ TEST_F(CliTest, LibraryVerbs) {
 TEST_F(CliTest, RunMeasuresTheSameBitsTwice) {
   const std::string clip = walk();
   const Json first = json({"run", clip});
-  for (const char* key : {"clip", "frames", "duration_s", "steps", "steps_per_s", "tracking_rms_deg", "root_assist_rms_bw", "root_assist_force_rms_bw", "root_assist_max_bw", "foot_skate_cm",
-                          "penetration_mm", "realtime_factor", "fell", "let_go_time", "mass", "height", "state_hash"})
+  for (const char* key :
+       {"clip", "frames", "duration_s", "steps", "steps_per_s", "tracking_rms_deg", "root_assist_rms_bw", "root_assist_force_rms_bw",
+        "root_assist_max_bw", "foot_skate_cm", "penetration_mm", "realtime_factor", "fell", "let_go_time", "mass", "height", "state_hash"})
     EXPECT_TRUE(first.contains(key)) << key;
   EXPECT_EQ(first["clip"], "walk");
   EXPECT_EQ(first["steps"], std::lround(first["duration_s"].get<double>() * 500));
@@ -255,7 +258,8 @@ TEST_F(CliTest, InterruptLeavesNoHalfWrittenFile) {
   ::usleep(700'000);
   ASSERT_EQ(::kill(child, SIGINT), 0);
   EXPECT_EQ(wait_for(child), 1);
-  for (const auto& entry : fs::directory_iterator(folder_)) EXPECT_EQ(entry.path().filename().string().find("frames"), std::string::npos) << entry.path();
+  for (const auto& entry : fs::directory_iterator(folder_))
+    EXPECT_EQ(entry.path().filename().string().find("frames"), std::string::npos) << entry.path();
 }
 
 TEST_F(CliTest, RealDataImportAndReturn) {

@@ -9,7 +9,7 @@
 namespace ugoki::cli {
 
 struct Output {
-  int status = -1;       ///< exit status; 128 + signal if a signal ended it
+  int status = -1;  ///< exit status; 128 + signal if a signal ended it
   std::string out, err;
 };
 

@@ -95,7 +95,8 @@ TEST_F(CommandsTest, SplitsClips) {
 }
 
 TEST_F(CommandsTest, EditsCharacters) {
-  EXPECT_EQ(good(R"({"type": "character.add", "mechanism": "m-ball", "place": {"x": 1}, "control": {"mode": "passive"}})"), "Add character");
+  EXPECT_EQ(good(R"({"type": "character.add", "mechanism": "m-ball", "place": {"x": 1}, "control": {"mode": "passive"}})"),
+            "Add character");
   EXPECT_EQ(document.characters.back().name, "ball");
   EXPECT_EQ(document.characters.back().place.x, 1);
   EXPECT_EQ(good(R"({"type": "character.set", "id": "human", "place": {"y": 5}})"), "Place character");
@@ -107,7 +108,9 @@ TEST_F(CommandsTest, EditsCharacters) {
 }
 
 TEST_F(CommandsTest, EditsEvents) {
-  EXPECT_EQ(good(R"({"type": "event.add", "event": {"type": "push", "time": 1, "character": "human", "link": "pelvis", "force": [0, 100, 0]}})"), "Add push");
+  EXPECT_EQ(
+      good(R"({"type": "event.add", "event": {"type": "push", "time": 1, "character": "human", "link": "pelvis", "force": [0, 100, 0]}})"),
+      "Add push");
   EXPECT_EQ(document.events.front().id, created[0]);
   EXPECT_EQ(good(R"({"type": "event.set", "id": "e2", "event": {"time": 0.5}})"), "Move throw");
   EXPECT_EQ(document.events.front().id, "e2");
@@ -147,8 +150,10 @@ TEST_F(CommandsTest, RefusesWhatDoesNotFit) {
   bad(R"({"type": "clip.set", "character": "nobody", "id": "k1"})", ErrorCode::unknown, "command/character");
   bad(R"({"type": "clip.set", "character": "human", "id": "k77"})", ErrorCode::unknown, "command/id");
   bad(R"({"type": "clip.set", "character": "human", "id": "k1", "length": 60})", ErrorCode::range, "scenario/characters/0/track/0/length");
-  bad(R"({"type": "clip.add", "character": "human", "motion": "n-none", "start": 0.5})", ErrorCode::unknown, "scenario/characters/0/track/1/motion");
-  bad(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 0})", ErrorCode::structure, "scenario/characters/0/track/1/start");
+  bad(R"({"type": "clip.add", "character": "human", "motion": "n-none", "start": 0.5})", ErrorCode::unknown,
+      "scenario/characters/0/track/1/motion");
+  bad(R"({"type": "clip.add", "character": "human", "motion": "n-walk", "start": 0})", ErrorCode::structure,
+      "scenario/characters/0/track/1/start");
   bad(R"({"type": "character.add", "mechanism": 5})", ErrorCode::syntax, "command/mechanism");
   bad(R"({"type": "circuit.set", "circuit": "default"})", ErrorCode::syntax, "command/circuit");
   bad(R"({"type": "scenario.set", "frame_rate": 17})", ErrorCode::range, "scenario/frame_rate");
@@ -157,7 +162,8 @@ TEST_F(CommandsTest, RefusesWhatDoesNotFit) {
 }
 
 TEST_F(CommandsTest, NamesTheResourcesItBringsIn) {
-  EXPECT_EQ(resources_named(R"({"type": "group", "commands": [{"type": "clip.add", "motion": "n-1"}, {"type": "character.add", "mechanism": "m-2"}]})"),
+  EXPECT_EQ(resources_named(
+                R"({"type": "group", "commands": [{"type": "clip.add", "motion": "n-1"}, {"type": "character.add", "mechanism": "m-2"}]})"),
             (std::vector<std::string>{"n-1", "m-2"}));
   EXPECT_TRUE(resources_named("nonsense").empty());
 }
@@ -183,9 +189,10 @@ TEST_F(CommandsTest, DeltasLeadBothWaysThroughRandomEdits) {
 
 TEST(Delta, RefusesWhatDoesNotFit) {
   const Json target = {{"a", 1}, {"list", {1, 2, 3}}};
-  for (const char* text : {"{}", "[]", "3", R"({"x": 1})", R"({"o": {"b": {"v": 1}}})", R"({"o": []})", R"({"a": [[0, {"v": 1}]]})", R"({"o": {"list": {"a": [[3, {"v": 1}]]}}})",
-                           R"({"o": {"list": {"s": [2, 2, []]}}})", R"({"o": {"list": {"s": [-1, 0, []]}}})", R"({"o": {"list": {"s": [0, 18446744073709551615, []]}}})",
-                           R"({"o": {"list": {"a": [[0]]}}})"})
+  for (const char* text :
+       {"{}", "[]", "3", R"({"x": 1})", R"({"o": {"b": {"v": 1}}})", R"({"o": []})", R"({"a": [[0, {"v": 1}]]})",
+        R"({"o": {"list": {"a": [[3, {"v": 1}]]}}})", R"({"o": {"list": {"s": [2, 2, []]}}})", R"({"o": {"list": {"s": [-1, 0, []]}}})",
+        R"({"o": {"list": {"s": [0, 18446744073709551615, []]}}})", R"({"o": {"list": {"a": [[0]]}}})"})
     EXPECT_FALSE(apply_delta(target, *parse_json(text, "delta"))) << text;
 }
 

@@ -19,7 +19,8 @@ using testing::make_scenario;
 std::vector<double> pose_at(const Executable& e, std::size_t character, std::size_t clip, double t) {
   const ExecutableCharacter& c = e.characters[character];
   std::vector<double> q(static_cast<std::size_t>(e.mechanisms[static_cast<std::size_t>(c.mechanism)]->nq()));
-  sample(c.track[clip].clip, *e.motions[static_cast<std::size_t>(c.track[clip].motion)], *e.mechanisms[static_cast<std::size_t>(c.mechanism)], t, q);
+  sample(c.track[clip].clip, *e.motions[static_cast<std::size_t>(c.track[clip].motion)],
+         *e.mechanisms[static_cast<std::size_t>(c.mechanism)], t, q);
   return q;
 }
 
@@ -42,7 +43,9 @@ TEST(Executable, HoldsWhatTheDocumentSays) {
   EXPECT_EQ(e->characters[1].q0, (std::vector<double>{3, 0, 0.11, 1, 0, 0, 0})) << "no clips: neutral where it stands";
 }
 
-TEST(Executable, EqualInputGivesEqualBytes) { EXPECT_EQ(generate(make_scenario(), make_resources()).value(), generate(make_scenario(), make_resources()).value()); }
+TEST(Executable, EqualInputGivesEqualBytes) {
+  EXPECT_EQ(generate(make_scenario(), make_resources()).value(), generate(make_scenario(), make_resources()).value());
+}
 
 TEST(Executable, TakesOnlyWhatItUses) {
   Scenario s = make_scenario();

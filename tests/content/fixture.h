@@ -81,7 +81,8 @@ inline Scenario make_scenario() {
   walker.name = "Human";
   walker.mechanism = "m-walker";
   walker.place = {1, 2, 0, 90};
-  walker.track = {{"k1", "n-walk", 0, 2, 0, 1, 0.3, false}, {"k2", "n-step", 2, 3.5, 0, 1, 0.3, true}, {"k3", "n-walk", 5, 1, 0.5, 1.5, 0.3, false}};
+  walker.track = {
+      {"k1", "n-walk", 0, 2, 0, 1, 0.3, false}, {"k2", "n-step", 2, 3.5, 0, 1, 0.3, true}, {"k3", "n-walk", 5, 1, 0.5, 1.5, 0.3, false}};
   ScenarioCharacter ball;
   ball.id = "ball";
   ball.name = "Ball";

@@ -14,7 +14,9 @@ class RandomCommands {
 
   std::string next(const Scenario& s) {
     switch (pick(14)) {
-      case 0: return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") + R"(", "start": )" + number(0, 8) + "}";
+      case 0:
+        return R"({"type": "clip.add", "character": "human", "motion": ")" + std::string(pick(2) ? "n-walk" : "n-step") +
+               R"(", "start": )" + number(0, 8) + "}";
       case 1:
       case 2: return clip_command(s, R"("start": )" + number(0, 8));
       case 3: return clip_command(s, R"("length": )" + number(0.05, 2.1));
@@ -23,16 +25,22 @@ class RandomCommands {
       case 6: return s.characters.empty() || s.characters[0].track.size() < 3 ? next(s) : command_on(s, "clip.remove", "");
       case 7: return command_on(s, "clip.split", R"(, "time": )" + number(0, 8));
       case 8: return R"({"type": "character.add", "mechanism": "m-ball", "place": {"x": )" + number(-5, 5) + "}}";
-      case 9: return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "place": {"y": )" + number(-5, 5) + R"(}, "control": {"balance": )" + number(0, 2) + "}}";
+      case 9:
+        return R"({"type": "character.set", "id": ")" + any_character(s) + R"(", "place": {"y": )" + number(-5, 5) +
+               R"(}, "control": {"balance": )" + number(0, 2) + "}}";
       case 10: return s.characters.size() < 3 ? next(s) : R"({"type": "character.remove", "id": ")" + s.characters.back().id + "\"}";
-      case 11: return R"({"type": "event.add", "event": {"type": "push", "time": )" + number(0, 9) + R"(, "character": "human", "link": "leg", "force": [)" + number(-200, 200) + ", 0, 0]}}";
+      case 11:
+        return R"({"type": "event.add", "event": {"type": "push", "time": )" + number(0, 9) +
+               R"(, "character": "human", "link": "leg", "force": [)" + number(-200, 200) + ", 0, 0]}}";
       case 12:
         if (s.events.empty()) return next(s);
-        return pick(2) ? R"({"type": "event.set", "id": ")" + s.events[pick(s.events.size())].id + R"(", "event": {"time": )" + number(0, 9) + "}}"
+        return pick(2) ? R"({"type": "event.set", "id": ")" + s.events[pick(s.events.size())].id + R"(", "event": {"time": )" +
+                             number(0, 9) + "}}"
                        : R"({"type": "event.remove", "id": ")" + s.events[pick(s.events.size())].id + "\"}";
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
-                       : R"({"type": "circuit.set", "circuit": )" + std::string(pick(2) ? "null" : R"({"b": [1, 2, {"x": )" + number(0, 1) + R"(}], "a": 1})") + "}";
+                       : R"({"type": "circuit.set", "circuit": )" +
+                             std::string(pick(2) ? "null" : R"({"b": [1, 2, {"x": )" + number(0, 1) + R"(}], "a": 1})") + "}";
     }
   }
 
@@ -44,7 +52,8 @@ class RandomCommands {
   std::string command_on(const Scenario& s, const std::string& type, const std::string& more) {
     if (s.characters.empty() || s.characters[0].track.empty()) return R"({"type": "clip.remove", "character": "human", "id": "none"})";
     const auto& track = s.characters[0].track;
-    return R"({"type": ")" + type + R"(", "character": ")" + s.characters[0].id + R"(", "id": ")" + track[pick(track.size())].id + "\"" + more + "}";
+    return R"({"type": ")" + type + R"(", "character": ")" + s.characters[0].id + R"(", "id": ")" + track[pick(track.size())].id + "\"" +
+           more + "}";
   }
   std::string clip_command(const Scenario& s, const std::string& fields) { return command_on(s, "clip.set", ", " + fields); }
 

@@ -49,9 +49,12 @@ TEST(Scenario, DefaultsForWhatIsAbsent) {
 }
 
 TEST(Scenario, ReportsAllProblemsWithTheirPaths) {
-  const auto s = read_scenario(R"({"version": 1, "duration": "long", "frame_rat": 60, "gravity": [0, 0], "characters": [{"id": "a", "track": [{"speed": "x"}]}, 7], "events": {}})", "f");
+  const auto s = read_scenario(
+      R"({"version": 1, "duration": "long", "frame_rat": 60, "gravity": [0, 0], "characters": [{"id": "a", "track": [{"speed": "x"}]}, 7], "events": {}})",
+      "f");
   ASSERT_FALSE(s);
-  for (const char* place : {"f/duration", "f/frame_rat", "f/gravity", "f/characters/0/track/0/speed", "f/characters/0/track/0/length", "f/characters/1", "f/events"})
+  for (const char* place : {"f/duration", "f/frame_rat", "f/gravity", "f/characters/0/track/0/speed", "f/characters/0/track/0/length",
+                            "f/characters/1", "f/events"})
     EXPECT_TRUE(has_place(s.error(), place)) << place << " in\n" << s.error().text();
   for (const Problem& p : s.error().problems) EXPECT_FALSE(p.remedy.empty()) << p.text();
 }
@@ -98,7 +101,8 @@ TEST(Scenario, EveryRangeIsChecked) {
       {"scenario/characters/0/control/tracking", [](Scenario& s) { s.characters[0].control.tracking = 3; }},
       {"scenario/characters/0/control/assist_limit", [](Scenario& s) { s.characters[0].control.assist_limit = -1; }},
       {"scenario/characters/0/track/0/motion", [](Scenario& s) { s.characters[0].track[0].motion = "n-none"; }},
-      {"scenario/characters/1/track/0/motion", [](Scenario& s) { s.characters[1].track.push_back({"k9", "n-walk", 0, 1, 0, 1, 0, false}); }},
+      {"scenario/characters/1/track/0/motion",
+       [](Scenario& s) { s.characters[1].track.push_back({"k9", "n-walk", 0, 1, 0, 1, 0, false}); }},
       {"scenario/characters/0/track/0/length", [](Scenario& s) { s.characters[0].track[0].length = 0; }},
       {"scenario/characters/0/track/0/length", [](Scenario& s) { s.characters[0].track[0].length = 2.5; }},
       {"scenario/characters/0/track/0/speed", [](Scenario& s) { s.characters[0].track[0].speed = 0; }},
@@ -125,9 +129,22 @@ TEST(Scenario, EveryRangeIsChecked) {
 TEST(Scenario, HostileTextIsRefusedInWords) {
   const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
   const std::string half = write_scenario(make_scenario());
-  std::vector<std::string> texts = {"", " ", "\xff\xfe", "[]", "null", "true", "1e999", R"({"version": 1e999})", R"({"version": 1, "name": "\ud800"})", deep,
-                                    R"({"version": 1, "circuit": )" + deep + "}", R"({"version": -1})", R"({"version": 1.5})", R"({"version": 1, "circuit": 3})",
-                                    R"({"version": 1, "step": 1e308})", std::string("{\"version\": 1, \"name\": \"a\0b\"}", 29)};
+  std::vector<std::string> texts = {"",
+                                    " ",
+                                    "\xff\xfe",
+                                    "[]",
+                                    "null",
+                                    "true",
+                                    "1e999",
+                                    R"({"version": 1e999})",
+                                    R"({"version": 1, "name": "\ud800"})",
+                                    deep,
+                                    R"({"version": 1, "circuit": )" + deep + "}",
+                                    R"({"version": -1})",
+                                    R"({"version": 1.5})",
+                                    R"({"version": 1, "circuit": 3})",
+                                    R"({"version": 1, "step": 1e308})",
+                                    std::string("{\"version\": 1, \"name\": \"a\0b\"}", 29)};
   for (std::size_t i = 0; i < half.size(); i += 7) texts.push_back(half.substr(0, i));
   for (const std::string& text : texts) {
     const auto s = read_scenario(text, "hostile");

@@ -95,7 +95,9 @@ TEST_F(DamagedProjectTest, RefusesHostileContents) {
     run_sql(sql);
     const auto project = Project::open(path_);
     ASSERT_FALSE(project);
-    if (code != ErrorCode::io) EXPECT_EQ(static_cast<int>(project.error().problems.front().code), static_cast<int>(code)) << project.error().text();
+    if (code != ErrorCode::io) {
+      EXPECT_EQ(static_cast<int>(project.error().problems.front().code), static_cast<int>(code)) << project.error().text();
+    }
     EXPECT_FALSE(project.error().problems.front().remedy.empty());
   }
 }

@@ -34,7 +34,9 @@ class ProjectFixture : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
   static void write(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
-  static std::string move_clip(double start) { return R"({"type": "clip.set", "character": "human", "id": "k3", "start": )" + std::to_string(start) + "}"; }
+  static std::string move_clip(double start) {
+    return R"({"type": "clip.set", "character": "human", "id": "k3", "start": )" + std::to_string(start) + "}";
+  }
 
   std::string folder_, path_;
 };

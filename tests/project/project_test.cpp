@@ -197,7 +197,9 @@ TEST_F(ProjectTest, FetchesFromTheLibraryWhatACommandNames) {
 
 /// Commands in a child that is killed at a random moment; each acknowledged one must be there afterwards.
 TEST_F(ProjectTest, KilledEditorLosesNothingAcknowledged) {
-  { const Project project = make(); }
+  {
+    const Project project = make();
+  }
   std::string last;
   for (int round = 0; round < 6; ++round) {
     int ends[2];
@@ -216,7 +218,8 @@ TEST_F(ProjectTest, KilledEditorLosesNothingAcknowledged) {
           (void)project->execute(random.next(project->scenario()));
         const std::string& document = project->document();
         const std::uint64_t size = document.size();
-        if (::write(ends[1], &size, sizeof size) != sizeof size || ::write(ends[1], document.data(), size) != static_cast<ssize_t>(size)) break;
+        if (::write(ends[1], &size, sizeof size) != sizeof size || ::write(ends[1], document.data(), size) != static_cast<ssize_t>(size))
+          break;
       }
       ::_exit(0);
     }

@@ -37,7 +37,8 @@ class DamagedLibraryTest : public ::testing::Test {
     auto library = Library::open(path_);
     ASSERT_TRUE(library);
     std::vector<LibraryItem> items;
-    for (int i = 0; i < 30; ++i) items.push_back({EntryKind::motion, "motion " + std::to_string(i), "{}", {"tag"}, std::vector<std::byte>(3000, std::byte(i))});
+    for (int i = 0; i < 30; ++i)
+      items.push_back({EntryKind::motion, "motion " + std::to_string(i), "{}", {"tag"}, std::vector<std::byte>(3000, std::byte(i))});
     ASSERT_TRUE(library->put(items));
   }
   /// Opening must fail in words and leave the file as it is.

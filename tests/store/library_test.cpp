@@ -26,7 +26,8 @@ class LibraryTest : public ::testing::Test {
     const auto* p = reinterpret_cast<const std::byte*>(text.data());
     return {p, p + text.size()};
   }
-  static LibraryItem item(EntryKind kind, std::string name, std::string_view data, std::vector<std::string> tags = {}, std::string summary = "{}") {
+  static LibraryItem item(EntryKind kind, std::string name, std::string_view data, std::vector<std::string> tags = {},
+                          std::string summary = "{}") {
     return {kind, std::move(name), std::move(summary), std::move(tags), bytes(data)};
   }
   static std::vector<std::string> names(const Result<std::vector<LibraryEntry>>& entries) {
@@ -42,7 +43,8 @@ class LibraryTest : public ::testing::Test {
 TEST_F(LibraryTest, PutsAndGets) {
   auto library = Library::open(path_);
   ASSERT_TRUE(library) << library.error().text();
-  const std::vector<LibraryItem> items = {item(EntryKind::mechanism, "walker", "body", {"human", "b"}, R"({"mass": 70.5})"), item(EntryKind::motion, "walk", "motion", {"b"})};
+  const std::vector<LibraryItem> items = {item(EntryKind::mechanism, "walker", "body", {"human", "b"}, R"({"mass": 70.5})"),
+                                          item(EntryKind::motion, "walk", "motion", {"b"})};
   const auto ids = library->put(items);
   ASSERT_TRUE(ids) << ids.error().text();
   ASSERT_EQ(ids->size(), 2u);
@@ -91,15 +93,17 @@ TEST_F(LibraryTest, AllItemsOrNone) {
   auto library = Library::open(path_);
   ASSERT_TRUE(library);
   EXPECT_FALSE(library->put(std::vector{item(EntryKind::motion, "good", "abc"), item(EntryKind::motion, "", "def")}));
-  EXPECT_FALSE(library->put(std::vector{item(EntryKind::motion, "good", "abc"), item(EntryKind::motion, "summary is no JSON", "def", {}, "{")}));
+  EXPECT_FALSE(
+      library->put(std::vector{item(EntryKind::motion, "good", "abc"), item(EntryKind::motion, "summary is no JSON", "def", {}, "{")}));
   EXPECT_TRUE(names(library->find()).empty());
 }
 
 TEST_F(LibraryTest, FindsByTextKindAndTag) {
   auto library = Library::open(path_);
   ASSERT_TRUE(library);
-  ASSERT_TRUE(library->put(std::vector{item(EntryKind::motion, "12_01 Walk", "1", {"cmu", "slow"}, R"({"source": "cmu_12_01_walk.bvh", "frames": 524})"),
-                                       item(EntryKind::motion, "run", "2", {"cmu"}, R"({"source": "02_03.amc"})"), item(EntryKind::mechanism, "Walker", "3")}));
+  ASSERT_TRUE(library->put(
+      std::vector{item(EntryKind::motion, "12_01 Walk", "1", {"cmu", "slow"}, R"({"source": "cmu_12_01_walk.bvh", "frames": 524})"),
+                  item(EntryKind::motion, "run", "2", {"cmu"}, R"({"source": "02_03.amc"})"), item(EntryKind::mechanism, "Walker", "3")}));
   const auto find = [&](std::string text, std::vector<std::string> kinds = {}, std::vector<std::string> tags = {}) {
     return names(library->find({std::move(text), std::move(kinds), std::move(tags), 100}));
   };
@@ -138,7 +142,8 @@ TEST_F(LibraryTest, RenamesTagsRemoves) {
 TEST_F(LibraryTest, ResolvesNamesIdsAndBeginnings) {
   auto library = Library::open(path_);
   ASSERT_TRUE(library);
-  const auto ids = library->put(std::vector{item(EntryKind::motion, "walk", "1"), item(EntryKind::mechanism, "walk", "2"), item(EntryKind::motion, "run", "3")});
+  const auto ids = library->put(
+      std::vector{item(EntryKind::motion, "walk", "1"), item(EntryKind::mechanism, "walk", "2"), item(EntryKind::motion, "run", "3")});
   ASSERT_TRUE(ids);
   EXPECT_EQ(library->resolve("run")->id, (*ids)[2]);
   EXPECT_EQ(library->resolve((*ids)[1])->id, (*ids)[1]);
@@ -169,7 +174,8 @@ TEST_F(LibraryTest, KilledWriterLosesNothingAcknowledged) {
   if (child == 0) {
     auto library = Library::open(path_);
     for (int i = 0; library; ++i) {
-      if (!library->put(std::vector{item(EntryKind::motion, "motion " + std::to_string(i), std::string(20000, 'x') + std::to_string(i))})) break;
+      if (!library->put(std::vector{item(EntryKind::motion, "motion " + std::to_string(i), std::string(20000, 'x') + std::to_string(i))}))
+        break;
       if (::write(pipe_ends[1], "+", 1) != 1) break;
     }
     ::_exit(0);

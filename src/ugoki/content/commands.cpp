@@ -16,7 +16,9 @@ constexpr std::size_t max_commands = 10'000;
 /// One command (with the commands of a group) at work on a copy of the document.
 class Work {
  public:
-  Work(const Scenario& scenario, const Catalogue& catalogue, std::uint64_t& next_id) : catalogue_(catalogue), next_id_(next_id) { effect_.scenario = scenario; }
+  Work(const Scenario& scenario, const Catalogue& catalogue, std::uint64_t& next_id) : catalogue_(catalogue), next_id_(next_id) {
+    effect_.scenario = scenario;
+  }
 
   /// @return the label
   std::string apply(const Json& command, const std::string& path) {
@@ -48,7 +50,8 @@ class Work {
       f.refuse_others();
       return label;
     }
-    problems_.add(ErrorCode::unsupported, f.path("type"), "There is no command '" + type + "'.", "Use one of the commands of docs/scenario.md.");
+    problems_.add(ErrorCode::unsupported, f.path("type"), "There is no command '" + type + "'.",
+                  "Use one of the commands of docs/scenario.md.");
     return {};
   }
 
@@ -83,7 +86,8 @@ class Work {
     effect_.created.push_back(id);
   }
   void missing(Fields& f, std::string_view key, std::string_view what, const std::string& id) {
-    problems_.add(ErrorCode::unknown, f.path(key), "There is no " + std::string(what) + " '" + id + "'.", "Somebody may have removed it; look at the document again.");
+    problems_.add(ErrorCode::unknown, f.path(key), "There is no " + std::string(what) + " '" + id + "'.",
+                  "Somebody may have removed it; look at the document again.");
   }
   ScenarioCharacter* character_in(Fields& f, std::string_view key) {
     std::string id;
@@ -191,7 +195,8 @@ class Work {
     if (!problems_.empty()) return {};
     settle_id(c.id, 'c');
     const auto mechanism = catalogue_.mechanisms.find(c.mechanism);
-    if (c.name.empty()) c.name = mechanism != catalogue_.mechanisms.end() && !mechanism->second.name.empty() ? mechanism->second.name : c.id;
+    if (c.name.empty())
+      c.name = mechanism != catalogue_.mechanisms.end() && !mechanism->second.name.empty() ? mechanism->second.name : c.id;
     document().characters.push_back(std::move(c));
     return "Add character";
   }
@@ -291,10 +296,12 @@ class Work {
     }
     count_ += commands->size();
     if (count_ > max_commands) {
-      problems_.add(ErrorCode::range, f.path("commands"), "The group has more than " + std::to_string(max_commands) + " commands.", "Make it smaller.");
+      problems_.add(ErrorCode::range, f.path("commands"), "The group has more than " + std::to_string(max_commands) + " commands.",
+                    "Make it smaller.");
       return {};
     }
-    for (std::size_t i = 0; i < commands->size() && problems_.empty(); ++i) apply((*commands)[i], f.path("commands") + "/" + std::to_string(i));
+    for (std::size_t i = 0; i < commands->size() && problems_.empty(); ++i)
+      apply((*commands)[i], f.path("commands") + "/" + std::to_string(i));
     return label.empty() ? "Change" : label.substr(0, 200);
   }
 
@@ -315,7 +322,8 @@ void collect_resources(const Json& command, std::vector<std::string>& out) {
 
 }  // namespace
 
-Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue, std::uint64_t& next_id) {
+Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue,
+                                    std::uint64_t& next_id) {
   const Result<Json> json = parse_json(command, "command", max_command_size);
   if (!json) return fail(json.error());
   std::uint64_t counter = next_id;

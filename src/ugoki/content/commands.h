@@ -20,7 +20,8 @@ struct CommandEffect {
 /// Applies one command (a JSON object with `type`) to a valid document. The document is left alone if the command is
 /// malformed, names something that is not there, or would leave the document invalid; all problems are then reported.
 /// @param next_id counter from which ids are made; only grows, so that ids are never used twice
-[[nodiscard]] Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue, std::uint64_t& next_id);
+[[nodiscard]] Result<CommandEffect> apply_command(const Scenario& scenario, std::string_view command, const Catalogue& catalogue,
+                                                  std::uint64_t& next_id);
 
 /// Ids of mechanisms and motions that the command brings into the document, so that they can be fetched from a library
 /// before it is applied. Empty for a malformed command.

@@ -95,7 +95,9 @@ Json make_delta(const Json& from, const Json& to) {
 
 Result<Json> apply_delta(const Json& from, const Json& delta) {
   Json out = from;
-  if (!apply(out, delta)) return fail(ErrorCode::structure, "history", "A step of the history does not fit the document.", "Undo and redo cannot go further here.");
+  if (!apply(out, delta))
+    return fail(ErrorCode::structure, "history", "A step of the history does not fit the document.",
+                "Undo and redo cannot go further here.");
   return out;
 }
 

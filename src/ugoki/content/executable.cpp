@@ -40,7 +40,9 @@ class Reader {
  private:
   const UgxSection* section(std::string_view name) {
     const UgxSection* found = ugx_.find(name);
-    if (!found) problems_.add(ErrorCode::structure, name_, "Section '" + std::string(name) + "' is missing.", "Generate the file anew from its project.");
+    if (!found)
+      problems_.add(ErrorCode::structure, name_, "Section '" + std::string(name) + "' is missing.",
+                    "Generate the file anew from its project.");
     return found;
   }
 
@@ -68,7 +70,9 @@ class Reader {
     list.push_back(pointer);
     map.emplace(id, std::move(pointer));
   }
-  void take_problems(const Error& error) { problems_.problems.insert(problems_.problems.end(), error.problems.begin(), error.problems.end()); }
+  void take_problems(const Error& error) {
+    problems_.problems.insert(problems_.problems.end(), error.problems.begin(), error.problems.end());
+  }
 
   static int index_of(const std::vector<std::string>& ids, const std::string& id) {
     for (std::size_t i = 0; i < ids.size(); ++i)
@@ -91,7 +95,8 @@ class Reader {
     std::size_t clips = 0;
     for (const ScenarioCharacter& c : s.characters) clips += c.track.size();
     if (bytes.size() != clips * 4 * sizeof(double)) {
-      problems_.add(ErrorCode::structure, name_ + ", section placements", "It does not hold one placement for each clip.", "Generate the file anew from its project.");
+      problems_.add(ErrorCode::structure, name_ + ", section placements", "It does not hold one placement for each clip.",
+                    "Generate the file anew from its project.");
       return;
     }
     for (const ScenarioCharacter& c : s.characters) {
@@ -115,8 +120,8 @@ class Reader {
         bytes = bytes.subspan(sizeof place);
         for (const double x : place)
           if (!std::isfinite(x) || std::fabs(x) > 1e9)
-            return problems_.add(ErrorCode::range, name_ + ", section placements", "The placement of clip '" + source.id + "' is no number.",
-                                 "Generate the file anew from its project.");
+            return problems_.add(ErrorCode::range, name_ + ", section placements",
+                                 "The placement of clip '" + source.id + "' is no number.", "Generate the file anew from its project.");
         clip.place = {place[0], place[1], place[2], place[3]};
         if (clip.loop) clip.cycle = cycle_of(motion, mechanism);
         track.push_back(clip);

@@ -16,36 +16,36 @@ namespace ugoki::content {
 
 struct ExecutableClip {
   std::string id;
-  int motion = 0;               ///< index into Executable::motions
-  Clip clip;                    ///< placed
+  int motion = 0;  ///< index into Executable::motions
+  Clip clip;       ///< placed
 };
 
 struct ExecutableCharacter {
   std::string id, name;
-  std::string color;            ///< "#rrggbb"
-  int mechanism = 0;            ///< index into Executable::mechanisms
+  std::string color;  ///< "#rrggbb"
+  int mechanism = 0;  ///< index into Executable::mechanisms
   ScenarioControl control;
-  Placement place;              ///< where it stands at the start; heading in rad
-  std::vector<double> q0;       ///< [nq] position at time 0
+  Placement place;                    ///< where it stands at the start; heading in rad
+  std::vector<double> q0;             ///< [nq] position at time 0
   std::vector<ExecutableClip> track;  ///< by start; may be empty
 };
 
 struct ExecutableEvent {
   std::string id;
   EventType type = EventType::push;
-  double time = 0;              ///< s
-  int character = 0;            ///< index
-  double duration = 0;          ///< s (push)
-  int link = 0;                 ///< index of the link (push)
-  Vec3 force;                   ///< N, world, at the link's centre of mass (push)
-  Vec3 from, velocity, spin;    ///< m, m/s, rad/s, world (throw)
+  double time = 0;            ///< s
+  int character = 0;          ///< index
+  double duration = 0;        ///< s (push)
+  int link = 0;               ///< index of the link (push)
+  Vec3 force;                 ///< N, world, at the link's centre of mass (push)
+  Vec3 from, velocity, spin;  ///< m, m/s, rad/s, world (throw)
 };
 
 struct Executable {
   std::string name;
-  double duration = 0;          ///< s
-  double frame_rate = 60;       ///< display frames a second
-  double step = 0.002;          ///< s
+  double duration = 0;     ///< s
+  double frame_rate = 60;  ///< display frames a second
+  double step = 0.002;     ///< s
   Vec3 gravity = {0, 0, -9.81};
   ScenarioGround ground;
   std::vector<std::string> mechanism_ids, motion_ids;  ///< of the entries below
@@ -55,7 +55,7 @@ struct Executable {
   std::vector<ExecutableEvent> events;  ///< by time
   ScenarioCamera camera;
   ScenarioLook look;
-  std::string circuit;          ///< JSON, docs/circuit.md
+  std::string circuit;  ///< JSON, docs/circuit.md
 };
 
 /// Reads and checks everything: container, document, every index and number, motions against mechanisms.

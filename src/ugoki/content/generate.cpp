@@ -51,7 +51,8 @@ Result<std::vector<std::byte>> generate(const Scenario& scenario, const Resource
     mechanisms.insert(c.mechanism);
     for (const ScenarioClip& clip : c.track) motions.insert(clip.motion);
     for (const ScenarioClip& clip : c.track)
-      for (Problem& p : check_motion(*resources.motions.at(clip.motion), *resources.mechanisms.at(c.mechanism)).problems) problems.problems.push_back(std::move(p));
+      for (Problem& p : check_motion(*resources.motions.at(clip.motion), *resources.mechanisms.at(c.mechanism)).problems)
+        problems.problems.push_back(std::move(p));
   }
   if (!problems.empty()) return fail(std::move(problems));
 

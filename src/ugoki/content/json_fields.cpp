@@ -12,7 +12,8 @@ constexpr int max_depth = 64;
 
 /// Line of the byte at which the parser stopped; 0 where it did not say.
 std::size_t line_of(std::string_view text, std::size_t byte) {
-  return 1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size())), '\n'));
+  return 1 +
+         static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size())), '\n'));
 }
 
 /// True if brackets nest deeper than the reader and the writer of JSON should recurse.
@@ -62,21 +63,25 @@ class ErrorFinder : public nlohmann::json_sax<Json> {
 Result<Json> parse_json(std::string_view text, std::string_view name, std::size_t max_size) {
   const std::string place(name);
   if (text.size() > max_size)
-    return fail(ErrorCode::range, place, "The text has " + std::to_string(text.size()) + " bytes, more than the " + std::to_string(max_size) + " allowed.",
+    return fail(ErrorCode::range, place,
+                "The text has " + std::to_string(text.size()) + " bytes, more than the " + std::to_string(max_size) + " allowed.",
                 "Make it smaller.");
-  if (too_deep(text)) return fail(ErrorCode::range, place, "Its brackets nest deeper than 64 levels.", "No valid document does; write it anew.");
+  if (too_deep(text))
+    return fail(ErrorCode::range, place, "Its brackets nest deeper than 64 levels.", "No valid document does; write it anew.");
   Json json = Json::parse(text.begin(), text.end(), nullptr, false);
   if (!json.is_discarded()) return json;
   ErrorFinder finder;
   Json::sax_parse(text.begin(), text.end(), &finder);
   const std::size_t line = line_of(text, finder.position > 0 ? finder.position - 1 : 0);
-  return fail(ErrorCode::syntax, place + ":" + std::to_string(line), text.empty() ? "The text is empty, not JSON." : "The text is not valid JSON here.",
+  return fail(ErrorCode::syntax, place + ":" + std::to_string(line),
+              text.empty() ? "The text is empty, not JSON." : "The text is not valid JSON here.",
               "Look for a missing comma, quote or bracket at this line or the one before.");
 }
 
 Fields::Fields(const Json& object, std::string path, Error& problems) : object_(object), path_(std::move(path)), problems_(problems) {
   if (!object_.is_object())
-    problems_.add(ErrorCode::syntax, path_, "It must be an object, but it is " + std::string(type_of(object_)) + ".", "Write it as { ... }.");
+    problems_.add(ErrorCode::syntax, path_, "It must be an object, but it is " + std::string(type_of(object_)) + ".",
+                  "Write it as { ... }.");
 }
 
 bool Fields::has(std::string_view key) const { return object_.is_object() && object_.contains(key); }
@@ -89,7 +94,8 @@ const Json* Fields::find(std::string_view key) {
 }
 
 void Fields::wrong(std::string_view key, std::string_view wanted) {
-  problems_.add(ErrorCode::syntax, path(key), "It must be " + std::string(wanted) + ", but it is " + std::string(type_of(object_.find(key).value())) + ".",
+  problems_.add(ErrorCode::syntax, path(key),
+                "It must be " + std::string(wanted) + ", but it is " + std::string(type_of(object_.find(key).value())) + ".",
                 "Give " + std::string(wanted) + ".");
 }
 

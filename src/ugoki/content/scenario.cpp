@@ -28,8 +28,9 @@ class Checker {
  private:
   void range(const std::string& place, double value, double low, double high, std::string_view unit) {
     if (value >= low && value <= high) return;
-    problems_.add(ErrorCode::range, place, "The value " + ugoki::to_text(value) + " is out of range.",
-                  "Give a value from " + ugoki::to_text(low) + " to " + ugoki::to_text(high) + (unit.empty() ? "." : " " + std::string(unit) + "."));
+    problems_.add(
+        ErrorCode::range, place, "The value " + ugoki::to_text(value) + " is out of range.",
+        "Give a value from " + ugoki::to_text(low) + " to " + ugoki::to_text(high) + (unit.empty() ? "." : " " + std::string(unit) + "."));
   }
   void vector_range(const std::string& place, const Vec3& v, double greatest, std::string_view unit) {
     for (int i = 0; i < 3; ++i) range(place, v[i], -greatest, greatest, unit);
@@ -42,7 +43,8 @@ class Checker {
     const bool good = value.size() == 7 && value[0] == '#' && std::all_of(value.begin() + 1, value.end(), [](char c) {
                         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
                       });
-    if (!good) problems_.add(ErrorCode::syntax, place, "'" + std::string(value) + "' is not a colour.", "Write it as #rrggbb, for example #e6e6ea.");
+    if (!good)
+      problems_.add(ErrorCode::syntax, place, "'" + std::string(value) + "' is not a colour.", "Write it as #rrggbb, for example #e6e6ea.");
   }
   void check_own_id(const std::string& place, const std::string& id) {
     if (!is_id(id))
@@ -56,7 +58,8 @@ class Checker {
     range(root_ + "/duration", s_.duration, 0.001, day, "s");
     constexpr std::array<double, 6> rates = {24, 25, 30, 50, 60, 120};
     if (std::find(rates.begin(), rates.end(), s_.frame_rate) == rates.end())
-      problems_.add(ErrorCode::range, root_ + "/frame_rate", ugoki::to_text(s_.frame_rate) + " is not a display frame rate.", "Use 24, 25, 30, 50, 60 or 120.");
+      problems_.add(ErrorCode::range, root_ + "/frame_rate", ugoki::to_text(s_.frame_rate) + " is not a display frame rate.",
+                    "Use 24, 25, 30, 50, 60 or 120.");
     range(root_ + "/step", s_.step, 0.0005, 0.004, "s");
     vector_range(root_ + "/gravity", s_.gravity, 1000, "m/s^2");
     range(root_ + "/ground/height", s_.ground.height, -1000, 1000, "m");
@@ -72,7 +75,8 @@ class Checker {
 
   void check_character_id(const std::string& place, const std::string& id) {
     if (!s_.find_character(id))
-      problems_.add(ErrorCode::unknown, place, "There is no character '" + id + "'.", "Name a character of the document, or take this out.");
+      problems_.add(ErrorCode::unknown, place, "There is no character '" + id + "'.",
+                    "Name a character of the document, or take this out.");
   }
 
   void check_character(const ScenarioCharacter& c, const std::string& place) {
@@ -86,11 +90,13 @@ class Checker {
     range(place + "/control/assist_limit", c.control.assist_limit, 0, 10, "body weights");
     const MechanismFacts* mechanism = nullptr;
     if (!is_id(c.mechanism, max_resource_id)) {
-      problems_.add(ErrorCode::syntax, place + "/mechanism", "'" + c.mechanism + "' cannot be the id of a mechanism.", "Choose a mechanism from the library.");
+      problems_.add(ErrorCode::syntax, place + "/mechanism", "'" + c.mechanism + "' cannot be the id of a mechanism.",
+                    "Choose a mechanism from the library.");
     } else if (catalogue_) {
       const auto it = catalogue_->mechanisms.find(c.mechanism);
       if (it == catalogue_->mechanisms.end())
-        problems_.add(ErrorCode::unknown, place + "/mechanism", "The project has no mechanism '" + c.mechanism + "'.", "Import it or choose another.");
+        problems_.add(ErrorCode::unknown, place + "/mechanism", "The project has no mechanism '" + c.mechanism + "'.",
+                      "Import it or choose another.");
       else
         mechanism = &it->second;
     }
@@ -98,8 +104,8 @@ class Checker {
       const std::string clip_place = place + "/track/" + std::to_string(i);
       check_clip(c.track[i], mechanism, clip_place);
       if (i > 0 && !(c.track[i].start > c.track[i - 1].start))
-        problems_.add(ErrorCode::structure, clip_place + "/start", "Clips '" + c.track[i - 1].id + "' and '" + c.track[i].id + "' start at the same time.",
-                      "Move one of them.");
+        problems_.add(ErrorCode::structure, clip_place + "/start",
+                      "Clips '" + c.track[i - 1].id + "' and '" + c.track[i].id + "' start at the same time.", "Move one of them.");
     }
   }
 
@@ -111,31 +117,36 @@ class Checker {
     range(place + "/speed", clip.speed, 0.01, 100, "");
     range(place + "/blend", clip.blend, 0, 60, "s");
     if (!is_id(clip.motion, max_resource_id)) {
-      problems_.add(ErrorCode::syntax, place + "/motion", "'" + clip.motion + "' cannot be the id of a motion.", "Choose a motion from the library.");
+      problems_.add(ErrorCode::syntax, place + "/motion", "'" + clip.motion + "' cannot be the id of a motion.",
+                    "Choose a motion from the library.");
       return;
     }
     if (!catalogue_) return;
     const auto it = catalogue_->motions.find(clip.motion);
     if (it == catalogue_->motions.end()) {
-      problems_.add(ErrorCode::unknown, place + "/motion", "The project has no motion '" + clip.motion + "'.", "Import it or choose another.");
+      problems_.add(ErrorCode::unknown, place + "/motion", "The project has no motion '" + clip.motion + "'.",
+                    "Import it or choose another.");
       return;
     }
     const MotionFacts& motion = it->second;
     if (mechanism && motion.nq != mechanism->nq)
       problems_.add(ErrorCode::structure, place + "/motion",
-                    "Motion '" + motion.name + "' has " + std::to_string(motion.nq) + " coordinates, mechanism '" + mechanism->name + "' has " +
-                        std::to_string(mechanism->nq) + ".",
+                    "Motion '" + motion.name + "' has " + std::to_string(motion.nq) + " coordinates, mechanism '" + mechanism->name +
+                        "' has " + std::to_string(mechanism->nq) + ".",
                     "Use a motion that was made for this mechanism.");
     if (clip.loop && !motion.cyclic)
-      problems_.add(ErrorCode::structure, place + "/loop", "Motion '" + motion.name + "' is not cyclic, so it cannot be looped.", "Switch loop off, or use a cyclic motion.");
+      problems_.add(ErrorCode::structure, place + "/loop", "Motion '" + motion.name + "' is not cyclic, so it cannot be looped.",
+                    "Switch loop off, or use a cyclic motion.");
     constexpr double slack = 0.01;  // s: what a dragged and rounded edge may be off; the last frame is held
     const double needed = clip.offset + clip.length * clip.speed;
     if (!clip.loop && needed > motion.duration + slack)
       problems_.add(ErrorCode::range, place + "/length",
-                    "The clip needs " + to_fixed(needed, 2) + " s of motion '" + motion.name + "', which lasts " + to_fixed(motion.duration, 2) + " s.",
+                    "The clip needs " + to_fixed(needed, 2) + " s of motion '" + motion.name + "', which lasts " +
+                        to_fixed(motion.duration, 2) + " s.",
                     motion.cyclic ? "Shorten it, slow it down or loop it." : "Shorten it or slow it down.");
     else if (clip.offset > motion.duration + slack)
-      problems_.add(ErrorCode::range, place + "/offset", "The clip begins behind the end of motion '" + motion.name + "' (" + to_fixed(motion.duration, 2) + " s).",
+      problems_.add(ErrorCode::range, place + "/offset",
+                    "The clip begins behind the end of motion '" + motion.name + "' (" + to_fixed(motion.duration, 2) + " s).",
                     "Give a smaller offset.");
   }
 
@@ -154,7 +165,8 @@ class Checker {
       if (e.link.empty())
         problems_.add(ErrorCode::structure, place + "/link", "The push names no link.", "Name the link that is pushed.");
       else if (mechanism && !has(mechanism->links) && !has(mechanism->labels))
-        problems_.add(ErrorCode::unknown, place + "/link", "Mechanism '" + mechanism->name + "' has no link '" + e.link + "'.", "Name one of its links.");
+        problems_.add(ErrorCode::unknown, place + "/link", "Mechanism '" + mechanism->name + "' has no link '" + e.link + "'.",
+                      "Name one of its links.");
       return;
     }
     vector_range(place + "/from", e.from, 10000, "m");
@@ -164,7 +176,8 @@ class Checker {
       problems_.add(ErrorCode::structure, place + "/character", "Character '" + e.character + "' follows a track, so it cannot be thrown.",
                     "Throw a passive character, or set its control mode to passive.");
     if (mechanism && !mechanism->free_root)
-      problems_.add(ErrorCode::structure, place + "/character", "Mechanism '" + mechanism->name + "' is fixed to the world, so it cannot be thrown.", "Throw one that is free.");
+      problems_.add(ErrorCode::structure, place + "/character",
+                    "Mechanism '" + mechanism->name + "' is fixed to the world, so it cannot be thrown.", "Throw one that is free.");
   }
 
   const Scenario& s_;
@@ -179,12 +192,14 @@ void read_list(Fields& parent, std::string_view key, Read read) {
   const Json* list = parent.find(key);
   if (!list) return;
   if (!list->is_array()) {
-    parent.problems().add(ErrorCode::syntax, parent.path(key), "It must be a list, but it is " + std::string(type_of(*list)) + ".", "Write it as [ ... ].");
+    parent.problems().add(ErrorCode::syntax, parent.path(key), "It must be a list, but it is " + std::string(type_of(*list)) + ".",
+                          "Write it as [ ... ].");
     return;
   }
   constexpr std::size_t most = 10'000;
   if (list->size() > most) {
-    parent.problems().add(ErrorCode::range, parent.path(key), "The list has more than " + std::to_string(most) + " entries.", "Take some out.");
+    parent.problems().add(ErrorCode::range, parent.path(key), "The list has more than " + std::to_string(most) + " entries.",
+                          "Take some out.");
     return;
   }
   for (std::size_t i = 0; i < list->size(); ++i) {
@@ -215,8 +230,10 @@ bool is_id(std::string_view text, std::size_t max_size) {
 
 void put_in_order(Scenario& scenario) {
   for (ScenarioCharacter& c : scenario.characters)
-    std::sort(c.track.begin(), c.track.end(), [](const auto& a, const auto& b) { return a.start != b.start ? a.start < b.start : a.id < b.id; });
-  std::sort(scenario.events.begin(), scenario.events.end(), [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
+    std::sort(c.track.begin(), c.track.end(),
+              [](const auto& a, const auto& b) { return a.start != b.start ? a.start < b.start : a.id < b.id; });
+  std::sort(scenario.events.begin(), scenario.events.end(),
+            [](const auto& a, const auto& b) { return a.time != b.time ? a.time < b.time : a.id < b.id; });
 }
 
 Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
@@ -229,10 +246,12 @@ Result<Scenario> read_scenario(std::string_view text, std::string_view name) {
   f.require("version", "\"version\": 1");
   f.integer("version", version);
   if (version > scenario_version)
-    return fail(ErrorCode::unsupported, f.path("version"),
-                "The document has version " + std::to_string(version) + "; this program knows version " + std::to_string(scenario_version) + ".",
-                "Open it with a newer Ugoki.");
-  if (version < 1) problems.add(ErrorCode::range, f.path("version"), "There is no version " + std::to_string(version) + ".", "Write \"version\": 1.");
+    return fail(
+        ErrorCode::unsupported, f.path("version"),
+        "The document has version " + std::to_string(version) + "; this program knows version " + std::to_string(scenario_version) + ".",
+        "Open it with a newer Ugoki.");
+  if (version < 1)
+    problems.add(ErrorCode::range, f.path("version"), "There is no version " + std::to_string(version) + ".", "Write \"version\": 1.");
   read_settings(f, s);
   read_list(f, "characters", [&](Fields& g) {
     ScenarioCharacter c;

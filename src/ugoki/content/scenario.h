@@ -17,13 +17,13 @@ inline constexpr int scenario_version = 1;
 /// A clip of a character's editing track, as people write it.
 struct ScenarioClip {
   std::string id;
-  std::string motion;    ///< id
-  double start = 0;      ///< s on the track
-  double length = 0;     ///< s on the track, above 0
-  double offset = 0;     ///< s into the motion at the clip's start
-  double speed = 1;      ///< s of motion per s of track
-  double blend = 0.3;    ///< s of cross-fade from what played before
-  bool loop = false;     ///< repeat a cyclic motion
+  std::string motion;  ///< id
+  double start = 0;    ///< s on the track
+  double length = 0;   ///< s on the track, above 0
+  double offset = 0;   ///< s into the motion at the clip's start
+  double speed = 1;    ///< s of motion per s of track
+  double blend = 0.3;  ///< s of cross-fade from what played before
+  bool loop = false;   ///< repeat a cyclic motion
   friend bool operator==(const ScenarioClip&, const ScenarioClip&) = default;
 };
 
@@ -31,9 +31,9 @@ enum class ControlMode { track, passive };
 
 struct ScenarioControl {
   ControlMode mode = ControlMode::track;
-  double tracking = 1;       ///< factor on the tracking gains, 0 ... 2
-  double balance = 1;        ///< factor on the balance gains, 0 ... 2
-  double assist_limit = 0.5; ///< cap of the root-assist wrench, body weights; beyond it the figure lets go
+  double tracking = 1;        ///< factor on the tracking gains, 0 ... 2
+  double balance = 1;         ///< factor on the balance gains, 0 ... 2
+  double assist_limit = 0.5;  ///< cap of the root-assist wrench, body weights; beyond it the figure lets go
   friend bool operator==(const ScenarioControl&, const ScenarioControl&) = default;
 };
 
@@ -45,7 +45,7 @@ struct ScenarioPlace {
 
 struct ScenarioCharacter {
   std::string id, name;
-  std::string mechanism;     ///< id
+  std::string mechanism;  ///< id
   std::string color = "#e6e6ea";
   ScenarioPlace place;
   ScenarioControl control;
@@ -58,12 +58,12 @@ enum class EventType { push, throw_ };
 struct ScenarioEvent {
   std::string id;
   EventType type = EventType::push;
-  double time = 0;           ///< s
-  std::string character;     ///< id
-  double duration = 0.2;     ///< s (push)
-  std::string link;          ///< name or label of the link (push)
-  Vec3 force;                ///< N, world (push)
-  Vec3 from, velocity, spin; ///< m, m/s, rad/s, world (throw)
+  double time = 0;            ///< s
+  std::string character;      ///< id
+  double duration = 0.2;      ///< s (push)
+  std::string link;           ///< name or label of the link (push)
+  Vec3 force;                 ///< N, world (push)
+  Vec3 from, velocity, spin;  ///< m, m/s, rad/s, world (throw)
   friend bool operator==(const ScenarioEvent&, const ScenarioEvent&) = default;
 };
 
@@ -73,30 +73,30 @@ struct ScenarioGround {
 };
 
 struct ScenarioCamera {
-  std::string follow;        ///< character's id; empty: nobody
-  double distance = 5;       ///< m
+  std::string follow;                      ///< character's id; empty: nobody
+  double distance = 5;                     ///< m
   double azimuth = 0.7, elevation = 0.25;  ///< rad
   friend bool operator==(const ScenarioCamera&, const ScenarioCamera&) = default;
 };
 
 struct ScenarioLook {
-  double light = 0.9;        ///< 0 ... 2
+  double light = 0.9;  ///< 0 ... 2
   std::string floor = "#2a2c31";
   friend bool operator==(const ScenarioLook&, const ScenarioLook&) = default;
 };
 
 struct Scenario {
   std::string name = "untitled";
-  double duration = 10;      ///< s
-  double frame_rate = 60;    ///< display frames a second
-  double step = 0.002;       ///< s
+  double duration = 10;    ///< s
+  double frame_rate = 60;  ///< display frames a second
+  double step = 0.002;     ///< s
   Vec3 gravity = {0, 0, -9.81};
   ScenarioGround ground;
   std::vector<ScenarioCharacter> characters;
   std::vector<ScenarioEvent> events;  ///< by time
   ScenarioCamera camera;
   ScenarioLook look;
-  std::string circuit;       ///< JSON object of docs/circuit.md; empty: the default circuit
+  std::string circuit;  ///< JSON object of docs/circuit.md; empty: the default circuit
   friend bool operator==(const Scenario&, const Scenario&) = default;
 
   [[nodiscard]] const ScenarioCharacter* find_character(std::string_view id) const;
@@ -107,12 +107,12 @@ struct Scenario {
 struct MechanismFacts {
   std::string name;
   int nq = 0;
-  bool free_root = false;    ///< its first joint is floating: it can be placed and thrown
+  bool free_root = false;                  ///< its first joint is floating: it can be placed and thrown
   std::vector<std::string> links, labels;  ///< names, and labels where they have one
 };
 struct MotionFacts {
   std::string name;
-  double duration = 0;       ///< s
+  double duration = 0;  ///< s
   int nq = 0;
   bool cyclic = false;
 };

@@ -118,7 +118,8 @@ void read_circuit_field(Fields& f, Scenario& out) {
   else if (circuit->is_null())
     out.circuit.clear();
   else
-    f.problems().add(ErrorCode::syntax, f.path("circuit"), "It must be a circuit or null.", "Give an object in the form of docs/circuit.md, or null.");
+    f.problems().add(ErrorCode::syntax, f.path("circuit"), "It must be a circuit or null.",
+                     "Give an object in the form of docs/circuit.md, or null.");
 }
 
 Json to_json(const ScenarioClip& c) {

@@ -28,7 +28,8 @@ std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism&
   return track;
 }
 
-std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism, const std::vector<Clip>& track, const Resources& resources) {
+std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism, const std::vector<Clip>& track,
+                                   const Resources& resources) {
   std::vector<double> q = mechanism.neutral();
   if (track.empty())
     displace_root(mechanism, to_placement(character.place), q);

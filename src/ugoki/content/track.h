@@ -20,7 +20,7 @@ namespace ugoki::content {
 [[nodiscard]] std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
 
 /// Position at time 0: of the first clip at its start, or neutral where the character stands. @param track as laid
-[[nodiscard]] std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism, const std::vector<Clip>& track,
-                                                 const Resources& resources);
+[[nodiscard]] std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism,
+                                                 const std::vector<Clip>& track, const Resources& resources);
 
 }  // namespace ugoki::content

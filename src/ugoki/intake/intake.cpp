@@ -67,14 +67,19 @@ Result<Intake> from_measured(MeasuredMotion measured, formats::ReadNotes notes, 
   motion.mechanism = body->mechanism->name();
   if (Error wrong = check_motion(motion, *body->mechanism); !wrong.empty()) return fail(std::move(wrong));
 
-  store::LibraryItem mechanism_item{store::EntryKind::mechanism, measured.name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
+  store::LibraryItem mechanism_item{
+      store::EntryKind::mechanism, measured.name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
   Json summary = mechanism_summary(*body->mechanism, out.source);
   summary["height"] = body->height;
   summary["human"] = body->human;
   mechanism_item.summary = text_of(summary);
 
   store::LibraryItem measured_item{store::EntryKind::measured, measured.name, {}, options.tags, formats::write_measured_motion(measured)};
-  measured_item.summary = text_of({{"frames", measured.frames}, {"joints", measured.joint_count()}, {"rate", measured.rate}, {"duration", measured.duration()}, {"source", out.source}});
+  measured_item.summary = text_of({{"frames", measured.frames},
+                                   {"joints", measured.joint_count()},
+                                   {"rate", measured.rate},
+                                   {"duration", measured.duration()},
+                                   {"source", out.source}});
 
   store::LibraryItem motion_item{store::EntryKind::motion, measured.name, {}, options.tags, formats::write_motion(motion)};
   motion_item.summary = text_of({{"mechanism", store::entry_id(store::EntryKind::mechanism, mechanism_item.data)},
@@ -105,7 +110,8 @@ Result<Intake> from_mechanism(std::string_view text, std::string_view file_name,
   Intake out;
   out.source = std::string(base_name(file_name));
   out.mechanism = std::move(*mechanism);
-  out.items = {{store::EntryKind::mechanism, name, text_of(mechanism_summary(*out.mechanism, out.source)), options.tags, bytes_of(formats::write_mechanism(*out.mechanism))}};
+  out.items = {{store::EntryKind::mechanism, name, text_of(mechanism_summary(*out.mechanism, out.source)), options.tags,
+                bytes_of(formats::write_mechanism(*out.mechanism))}};
   return out;
 }
 
@@ -119,7 +125,8 @@ std::string Intake::id_of(store::EntryKind kind) const {
 
 std::optional<FileKind> file_kind(std::string_view file_name) {
   std::string ending(file_name.substr(std::min(file_name.size(), file_name.rfind('.') + 1)));
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   if (ending == "bvh") return FileKind::bvh;
   if (ending == "amc") return FileKind::amc;
   if (ending == "asf") return FileKind::asf;
@@ -136,7 +143,9 @@ std::string skeleton_name_for(std::string_view amc_name) {
 Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf, const IntakeOptions& options) {
   const std::optional<FileKind> kind = file_kind(file_name);
   const std::string place(file_name);
-  if (!kind) return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.", "Give a .bvh, .amc (with its .asf) or mechanism .json file.");
+  if (!kind)
+    return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
+                "Give a .bvh, .amc (with its .asf) or mechanism .json file.");
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {
@@ -147,7 +156,9 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       return from_measured(std::move(*measured), std::move(notes), file_name, options);
     }
     case FileKind::amc: {
-      if (!asf) return fail(ErrorCode::structure, place, "An AMC file needs its skeleton.", "Give the ASF file that belongs to it (" + skeleton_name_for(base_name(file_name)) + ").");
+      if (!asf)
+        return fail(ErrorCode::structure, place, "An AMC file needs its skeleton.",
+                    "Give the ASF file that belongs to it (" + skeleton_name_for(base_name(file_name)) + ").");
       formats::AmcOptions amc;
       amc.rate = options.rate;
       Result<MeasuredMotion> measured = formats::read_amc(bytes, file_name, *asf, amc, &notes);

@@ -16,24 +16,24 @@
 namespace ugoki::intake {
 
 struct IntakeOptions {
-  std::string name;               ///< of the entries; empty: the file's name without ending
+  std::string name;  ///< of the entries; empty: the file's name without ending
   std::vector<std::string> tags;
-  double height = 0;              ///< m, of the person; 0: estimated
-  double mass = 0;                ///< kg, of the person; 0: estimated
-  double unit = 0;                ///< m per unit of length of the file; 0: guessed (BVH) or as the format says (ASF)
-  double rate = 120;              ///< frames a second of AMC files, which do not tell
+  double height = 0;  ///< m, of the person; 0: estimated
+  double mass = 0;    ///< kg, of the person; 0: estimated
+  double unit = 0;    ///< m per unit of length of the file; 0: guessed (BVH) or as the format says (ASF)
+  double rate = 120;  ///< frames a second of AMC files, which do not tell
 };
 
 /// A file, taken in but not yet stored.
 struct Intake {
-  std::string source;                     ///< the file's name
-  std::optional<MeasuredMotion> measured; ///< BVH, AMC
-  std::optional<body::Body> body;         ///< BVH, AMC
-  std::optional<Motion> motion;           ///< BVH, AMC
-  MechanismPtr mechanism;                 ///< the body's, or the file's
-  double metres_per_unit = 0;             ///< unit of length that was used; 0: the file has none
-  std::vector<std::string> report;        ///< sentences for people
-  std::vector<store::LibraryItem> items;  ///< what goes into the library: mechanism first, then measured, motion
+  std::string source;                      ///< the file's name
+  std::optional<MeasuredMotion> measured;  ///< BVH, AMC
+  std::optional<body::Body> body;          ///< BVH, AMC
+  std::optional<Motion> motion;            ///< BVH, AMC
+  MechanismPtr mechanism;                  ///< the body's, or the file's
+  double metres_per_unit = 0;              ///< unit of length that was used; 0: the file has none
+  std::vector<std::string> report;         ///< sentences for people
+  std::vector<store::LibraryItem> items;   ///< what goes into the library: mechanism first, then measured, motion
   /// Id that the items will have. Empty if there is no item of this kind.
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;
 };
@@ -48,7 +48,8 @@ enum class FileKind { bvh, amc, asf, mechanism_json };
 /// Reads the file and makes everything that will be stored.
 /// @param file_name decides the kind and stands in the place of every problem
 /// @param asf the skeleton, for AMC files; may be null otherwise
-[[nodiscard]] Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf = nullptr, const IntakeOptions& options = {});
+[[nodiscard]] Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf = nullptr,
+                                     const IntakeOptions& options = {});
 
 /// Puts all items in or none.
 /// @return ids in the order of the items

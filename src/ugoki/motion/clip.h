@@ -32,22 +32,22 @@ void displace_root(const Mechanism& mechanism, const Placement& by, std::span<do
 
 /// One clip of a track, ready to play.
 struct Clip {
-  double start = 0;    ///< s on the track
-  double length = 0;   ///< s on the track
-  double offset = 0;   ///< s into the motion at the clip's start
-  double speed = 1;    ///< s of motion per s of track
-  double blend = 0;    ///< s of cross-fade from what played before
-  bool loop = false;   ///< the motion repeats; each round goes on from where the last one ended
-  Placement place;     ///< displacement of the motion as it was recorded
-  Placement cycle;     ///< displacement that one round of the motion adds (loop)
+  double start = 0;   ///< s on the track
+  double length = 0;  ///< s on the track
+  double offset = 0;  ///< s into the motion at the clip's start
+  double speed = 1;   ///< s of motion per s of track
+  double blend = 0;   ///< s of cross-fade from what played before
+  bool loop = false;  ///< the motion repeats; each round goes on from where the last one ended
+  Placement place;    ///< displacement of the motion as it was recorded
+  Placement cycle;    ///< displacement that one round of the motion adds (loop)
 
   [[nodiscard]] double end() const { return start + length; }
 };
 
 /// Where a clip is in its motion.
 struct ClipPhase {
-  double time = 0;     ///< s from the motion's first frame, in [0, duration]
-  long rounds = 0;     ///< whole rounds before this one (loop)
+  double time = 0;  ///< s from the motion's first frame, in [0, duration]
+  long rounds = 0;  ///< whole rounds before this one (loop)
 };
 
 /// Phase at track time t [s]; before the clip's start and after its end those count. @param duration [s] of the motion

@@ -29,13 +29,16 @@ Result<FileLock> FileLock::take(const std::string& path) {
       const ssize_t size = ::pread(descriptor, holder, sizeof holder - 1, 0);
       ::close(descriptor);
       if (error != EWOULDBLOCK)
-        return fail(ErrorCode::io, path, "The file cannot be locked: " + std::string(std::strerror(error)) + ".", "Copy it to a local disk and open the copy.");
+        return fail(ErrorCode::io, path, "The file cannot be locked: " + std::string(std::strerror(error)) + ".",
+                    "Copy it to a local disk and open the copy.");
       const std::string by = size > 0 ? " (process " + std::string(holder) + ")" : "";
-      return fail(ErrorCode::conflict, path, "The project is already open in another program" + by + ".", "Close it there first, or work on a copy.");
+      return fail(ErrorCode::conflict, path, "The project is already open in another program" + by + ".",
+                  "Close it there first, or work on a copy.");
     }
     // The holder before may have removed the lock file between our open and our lock: then this is not the file others see.
-    struct stat ours {}, theirs {};
-    if (::fstat(descriptor, &ours) == 0 && ::stat(lock_path.c_str(), &theirs) == 0 && ours.st_ino == theirs.st_ino && ours.st_dev == theirs.st_dev) {
+    struct stat ours{}, theirs{};
+    if (::fstat(descriptor, &ours) == 0 && ::stat(lock_path.c_str(), &theirs) == 0 && ours.st_ino == theirs.st_ino &&
+        ours.st_dev == theirs.st_dev) {
       const std::string number = std::to_string(::getpid());
       if (::ftruncate(descriptor, 0) != 0 || ::pwrite(descriptor, number.data(), number.size(), 0) < 0) {
         // Only the message to others loses the number; the lock holds.
@@ -47,7 +50,8 @@ Result<FileLock> FileLock::take(const std::string& path) {
   return fail(ErrorCode::conflict, path, "Another program keeps opening and closing the project.", "Try again.");
 }
 
-FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)), lock_path_(std::move(other.lock_path_)) {}
+FileLock::FileLock(FileLock&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), lock_path_(std::move(other.lock_path_)) {}
 FileLock& FileLock::operator=(FileLock&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(lock_path_, other.lock_path_);

@@ -48,7 +48,8 @@ Result<Loaded> load(std::string_view id, std::string_view kind, std::vector<std:
     out.name = out.motion->name;
     return out;
   }
-  return fail(ErrorCode::unsupported, place, "A project holds mechanisms and motions, not '" + out.kind + "'.", "Use an entry of another kind.");
+  return fail(ErrorCode::unsupported, place, "A project holds mechanisms and motions, not '" + out.kind + "'.",
+              "Use an entry of another kind.");
 }
 
 /// Moves a finished file to its place for good.
@@ -62,10 +63,13 @@ Result<void> move_into_place(const std::string& from, const std::string& to) {
     return done;
   };
   std::error_code error;
-  if (!sync(from, O_RDONLY)) return fail(ErrorCode::io, to, "The new file could not be brought to the disk.", "Check the disk, then save again.");
+  if (!sync(from, O_RDONLY))
+    return fail(ErrorCode::io, to, "The new file could not be brought to the disk.", "Check the disk, then save again.");
   for (const char* suffix : {"-wal", "-shm"}) fs::remove(to + suffix, error);  // of a file that is replaced: not of this one
   fs::rename(from, to, error);
-  if (error) return fail(ErrorCode::io, to, "The new file could not be named: " + error.message() + ".", "Check the folder's permissions, then save again.");
+  if (error)
+    return fail(ErrorCode::io, to, "The new file could not be named: " + error.message() + ".",
+                "Check the folder's permissions, then save again.");
   const std::string folder = fs::path(to).parent_path().string();
   (void)sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
   return {};
@@ -156,7 +160,9 @@ Result<void> Project::Body::read() {
     const Result<std::string> text = file.property(name);
     if (!text) return fail(text.error());
     const std::optional<long> number = parse_long(*text);
-    if (!number || *number < 0) return fail(ErrorCode::syntax, file.path(), "Its " + std::string(name) + " is no number.", "Restore it from a copy; it was left as it is.");
+    if (!number || *number < 0)
+      return fail(ErrorCode::syntax, file.path(), "Its " + std::string(name) + " is no number.",
+                  "Restore it from a copy; it was left as it is.");
     if (read_only_number)
       position = *number;
     else
@@ -182,7 +188,8 @@ Result<Project> Project::create(const std::string& path, const content::Scenario
   Result<FileLock> lock = FileLock::take(path);
   if (!lock) return fail(std::move(lock.error()));
   std::error_code ignored;
-  if (std::filesystem::exists(path, ignored)) return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
+  if (std::filesystem::exists(path, ignored))
+    return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
   // Made under another name first: a file with the project's name is always a whole project.
   const std::string unfinished = path + ".new";
   for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(unfinished + suffix, ignored);
@@ -192,10 +199,12 @@ Result<Project> Project::create(const std::string& path, const content::Scenario
     const std::string text = content::write_scenario(document);
     Result<store::Transaction> transaction = store::Transaction::begin(file->database());
     if (!transaction) return fail(std::move(transaction.error()));
-    for (const auto& [name, value] : {std::pair<const char*, std::string>("document", text), {"saved", text}, {"position", "0"}, {"next_id", "1"}})
+    for (const auto& [name, value] :
+         {std::pair<const char*, std::string>("document", text), {"saved", text}, {"position", "0"}, {"next_id", "1"}})
       if (Result<void> done = file->set_property(name, value); !done) return done;
     for (const auto& [id, mechanism] : resources.mechanisms)
-      if (Result<void> done = file->put_resource(id, "mechanism", mechanism->name(), bytes_of(formats::write_mechanism(*mechanism))); !done) return done;
+      if (Result<void> done = file->put_resource(id, "mechanism", mechanism->name(), bytes_of(formats::write_mechanism(*mechanism))); !done)
+        return done;
     for (const auto& [id, motion] : resources.motions)
       if (Result<void> done = file->put_resource(id, "motion", motion->name, formats::write_motion(*motion)); !done) return done;
     return transaction->commit();
@@ -279,12 +288,15 @@ Result<Change> Project::execute(std::string_view command, const store::Library* 
 
   const Result<content::Json> before = content::parse_json(b.document, "document"), after = content::parse_json(text, "document");
   UGOKI_CHECK(before && after);
-  const StepData step{effect->label, std::string(command), content::make_delta(*before, *after).dump(), content::make_delta(*after, *before).dump()};
+  const StepData step{effect->label, std::string(command), content::make_delta(*before, *after).dump(),
+                      content::make_delta(*after, *before).dump()};
   Result<void> written = b.in_transaction([&]() -> Result<void> {
     for (const Loaded& resource : fetched)
       if (Result<void> done = b.put(resource); !done) return done;
     if (Result<void> done = b.file.add_step(b.position, step, kept_steps); !done) return done;
-    for (const auto& [name, value] : {std::pair<const char*, std::string>("document", text), {"position", std::to_string(b.position + 1)}, {"next_id", std::to_string(next_id)}})
+    for (const auto& [name, value] : {std::pair<const char*, std::string>("document", text),
+                                      {"position", std::to_string(b.position + 1)},
+                                      {"next_id", std::to_string(next_id)}})
       if (Result<void> done = b.file.set_property(name, value); !done) return done;
     return {};
   });
@@ -358,7 +370,8 @@ Result<void> Project::save_as(const std::string& path, bool overwrite) {
   if (fs::equivalent(path, this->path(), ignored)) return save();
   Result<FileLock> lock = FileLock::take(path);
   if (!lock) return fail(std::move(lock.error()));
-  if (fs::exists(path, ignored) && !overwrite) return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or agree to replace it.");
+  if (fs::exists(path, ignored) && !overwrite)
+    return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or agree to replace it.");
   const std::string unfinished = path + ".new";
   for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(unfinished + suffix, ignored);
   Result<void> made = [&]() -> Result<void> {

@@ -29,7 +29,8 @@ struct Change {
 class Project {
  public:
   /// Makes a new file with this content; fails if the file exists, or if the document does not fit the resources.
-  [[nodiscard]] static Result<Project> create(const std::string& path, const content::Scenario& scenario, const content::Resources& resources = {});
+  [[nodiscard]] static Result<Project> create(const std::string& path, const content::Scenario& scenario,
+                                              const content::Resources& resources = {});
   /// Opens for editing. Conflict if another program has it open; a damaged, foreign or newer file is left untouched.
   [[nodiscard]] static Result<Project> open(const std::string& path);
   /// Opens to look: never writes, and works while another program edits.

@@ -46,15 +46,19 @@ Result<void> check(store::Database& database) {
     return fail(ErrorCode::syntax, path, "This file is not a project of Ugoki.", "Open a *.ugoki file; make one with `ugoki new`.");
   if (*version > project_version)
     return fail(ErrorCode::unsupported, path,
-                "The project was saved by a newer Ugoki (version " + std::to_string(*version) + "; this program knows " + std::to_string(project_version) + ").",
+                "The project was saved by a newer Ugoki (version " + std::to_string(*version) + "; this program knows " +
+                    std::to_string(project_version) + ").",
                 "Open it with a newer Ugoki; it was left as it is.");
-  if (*version < 1) return fail(ErrorCode::syntax, path, "The project has an impossible version.", "Restore it from a copy; it was left as it is.");
+  if (*version < 1)
+    return fail(ErrorCode::syntax, path, "The project has an impossible version.", "Restore it from a copy; it was left as it is.");
   if (Result<void> good = database.check_structure(); !good) return good;
-  const Result<std::int64_t> others =
-      database.integer("SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view') OR (type = 'table' AND name NOT IN ('property', 'resource', 'history'))");
+  const Result<std::int64_t> others = database.integer(
+      "SELECT count(*) FROM sqlite_schema WHERE type IN ('trigger', 'view') OR (type = 'table' AND name NOT IN ('property', 'resource', "
+      "'history'))");
   if (!others) return fail(others.error());
   if (*others != 0)
-    return fail(ErrorCode::structure, path, "The project holds tables or triggers that no Ugoki made.", "Do not trust it; restore it from a copy.");
+    return fail(ErrorCode::structure, path, "The project holds tables or triggers that no Ugoki made.",
+                "Do not trust it; restore it from a copy.");
   return {};
 }
 
@@ -62,18 +66,22 @@ Result<void> check(store::Database& database) {
 
 Result<ProjectFile> ProjectFile::create(const std::string& path) {
   std::error_code ignored;
-  if (std::filesystem::exists(path, ignored)) return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
+  if (std::filesystem::exists(path, ignored))
+    return fail(ErrorCode::conflict, path, "The file exists already.", "Choose another name, or remove it first.");
   Result<store::Database> database = store::Database::open(path, store::OpenMode::create);
   if (!database) return fail(std::move(database.error()));
-  const std::string marks = "PRAGMA application_id = " + std::to_string(project_application_id) + "; PRAGMA user_version = " + std::to_string(project_version);
-  for (const std::string& sql : {std::string("PRAGMA journal_mode = WAL"), std::string("PRAGMA synchronous = FULL"), std::string("BEGIN IMMEDIATE;") + tables + marks + ";COMMIT"})
+  const std::string marks =
+      "PRAGMA application_id = " + std::to_string(project_application_id) + "; PRAGMA user_version = " + std::to_string(project_version);
+  for (const std::string& sql : {std::string("PRAGMA journal_mode = WAL"), std::string("PRAGMA synchronous = FULL"),
+                                 std::string("BEGIN IMMEDIATE;") + tables + marks + ";COMMIT"})
     if (Result<void> done = database->run(sql); !done) return fail(std::move(done.error()));
   return ProjectFile(std::move(*database));
 }
 
 Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return fail(ErrorCode::io, path, "There is no such file.", "Check its name, or make a project with `ugoki new`.");
+  if (!std::filesystem::exists(path, ignored))
+    return fail(ErrorCode::io, path, "There is no such file.", "Check its name, or make a project with `ugoki new`.");
   if (!std::filesystem::is_regular_file(path, ignored)) return fail(ErrorCode::io, path, "This is not a file.", "Give a *.ugoki file.");
   Result<store::Database> look = store::Database::open(path, store::OpenMode::read_only);
   if (!look) return fail(std::move(look.error()));
@@ -92,12 +100,14 @@ Result<std::string> ProjectFile::property(std::string_view name) {
   const Result<bool> found = row->bind(1, name).step();
   if (!found) return fail(found.error());
   if (!*found)
-    return fail(ErrorCode::structure, path(), "The project lacks its " + std::string(name) + ".", "Restore it from a copy; it was left as it is.");
+    return fail(ErrorCode::structure, path(), "The project lacks its " + std::string(name) + ".",
+                "Restore it from a copy; it was left as it is.");
   return row->text(0);
 }
 
 Result<void> ProjectFile::set_property(std::string_view name, std::string_view value) {
-  Result<store::Statement> put = database_.prepare("INSERT INTO property (name, value) VALUES (?1, ?2) ON CONFLICT (name) DO UPDATE SET value = excluded.value");
+  Result<store::Statement> put =
+      database_.prepare("INSERT INTO property (name, value) VALUES (?1, ?2) ON CONFLICT (name) DO UPDATE SET value = excluded.value");
   if (!put) return fail(std::move(put.error()));
   return put->bind(1, name).bind(2, value).run();
 }
@@ -113,7 +123,8 @@ Result<std::vector<ResourceRow>> ProjectFile::resources() {
     if (!*next) break;
     out.push_back({rows->text(0), rows->text(1), rows->blob(2)});
     if (checksum_of(out.back().data) != rows->text(3))
-      problems.add(ErrorCode::syntax, path() + ", " + out.back().kind + " " + out.back().id, "Its data are damaged (checksum).", "Restore the project from a copy; it was left as it is.");
+      problems.add(ErrorCode::syntax, path() + ", " + out.back().kind + " " + out.back().id, "Its data are damaged (checksum).",
+                   "Restore the project from a copy; it was left as it is.");
   }
   if (!problems.empty()) return fail(std::move(problems));
   return out;
@@ -142,7 +153,9 @@ Result<StepData> ProjectFile::step(std::int64_t number) {
   if (!row) return fail(std::move(row.error()));
   const Result<bool> found = row->bind(1, number).step();
   if (!found) return fail(found.error());
-  if (!*found) return fail(ErrorCode::structure, path(), "Step " + std::to_string(number) + " of the history is missing.", "Undo and redo cannot go further here.");
+  if (!*found)
+    return fail(ErrorCode::structure, path(), "Step " + std::to_string(number) + " of the history is missing.",
+                "Undo and redo cannot go further here.");
   return StepData{row->text(0), row->text(1), row->text(2), row->text(3)};
 }
 
@@ -150,9 +163,16 @@ Result<void> ProjectFile::add_step(std::int64_t position, const StepData& step, 
   Result<store::Statement> forget = database_.prepare("DELETE FROM history WHERE number > ?1 OR number <= ?2");
   if (!forget) return fail(std::move(forget.error()));
   if (Result<void> done = forget->bind(1, position).bind(2, position + 1 - keep).run(); !done) return done;
-  Result<store::Statement> add = database_.prepare("INSERT INTO history (number, label, command, forward, backward, time) VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+  Result<store::Statement> add =
+      database_.prepare("INSERT INTO history (number, label, command, forward, backward, time) VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   if (!add) return fail(std::move(add.error()));
-  return add->bind(1, position + 1).bind(2, step.label).bind(3, step.command).bind(4, step.forward).bind(5, step.backward).bind(6, static_cast<std::int64_t>(std::time(nullptr))).run();
+  return add->bind(1, position + 1)
+      .bind(2, step.label)
+      .bind(3, step.command)
+      .bind(4, step.forward)
+      .bind(5, step.backward)
+      .bind(6, static_cast<std::int64_t>(std::time(nullptr)))
+      .run();
 }
 
 }  // namespace ugoki::project

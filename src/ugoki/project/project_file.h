@@ -40,7 +40,8 @@ class ProjectFile {
   [[nodiscard]] Result<void> set_property(std::string_view name, std::string_view value);
   /// Every resource, its data checked.
   [[nodiscard]] Result<std::vector<ResourceRow>> resources();
-  [[nodiscard]] Result<void> put_resource(std::string_view id, std::string_view kind, std::string_view name, std::span<const std::byte> data);
+  [[nodiscard]] Result<void> put_resource(std::string_view id, std::string_view kind, std::string_view name,
+                                          std::span<const std::byte> data);
   [[nodiscard]] Result<std::vector<Step>> steps();
   [[nodiscard]] Result<StepData> step(std::int64_t number);
   /// Adds a step after `position`; what came after it before is forgotten, and so are steps more than `keep` ago.

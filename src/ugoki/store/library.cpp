@@ -219,8 +219,10 @@ Result<LibraryEntry> Library::resolve(std::string_view text, std::string_view ki
   if (found.empty()) return no_entry(path(), text);
   if (found.size() == 1) return *found.front();
   std::string ids;
-  for (std::size_t i = 0; i < found.size() && i < 8; ++i) ids += (i ? ", " : "") + found[i]->id + " (" + std::string(name_of(found[i]->kind)) + ")";
-  return fail(ErrorCode::duplicate, path(), "'" + std::string(text) + "' names " + std::to_string(found.size()) + " entries: " + ids + ".", "Give the id of one of them.");
+  for (std::size_t i = 0; i < found.size() && i < 8; ++i)
+    ids += (i ? ", " : "") + found[i]->id + " (" + std::string(name_of(found[i]->kind)) + ")";
+  return fail(ErrorCode::duplicate, path(), "'" + std::string(text) + "' names " + std::to_string(found.size()) + " entries: " + ids + ".",
+              "Give the id of one of them.");
 }
 
 Result<std::vector<std::byte>> Library::data(std::string_view id) const {
@@ -233,16 +235,18 @@ Result<std::vector<std::byte>> Library::data(std::string_view id) const {
   if (!found) return fail(found.error());
   std::vector<std::byte> bytes = *found ? row->blob(0) : std::vector<std::byte>();
   if (!*found || entry_id(entry->kind, bytes) != entry->id)
-    return fail(ErrorCode::syntax, path() + ", entry " + std::string(id), "The data of '" + entry->name + "' are damaged.", "Remove the entry and import it again.");
+    return fail(ErrorCode::syntax, path() + ", entry " + std::string(id), "The data of '" + entry->name + "' are damaged.",
+                "Remove the entry and import it again.");
   return bytes;
 }
 
 Result<void> Library::refresh_search(std::string_view id) {
   if (!full_text_) return {};
-  for (const char* sql : {"DELETE FROM entry_text WHERE id = ?1",
-                          "INSERT INTO entry_text (id, words) SELECT id, name || ' ' || kind || ' ' || "
-                          "coalesce((SELECT group_concat(tag, ' ') FROM tag WHERE entry = id), '') || ' ' || "
-                          "coalesce((SELECT group_concat(value, ' ') FROM json_tree(summary) WHERE type = 'text'), '') FROM entry WHERE id = ?1"}) {
+  for (const char* sql :
+       {"DELETE FROM entry_text WHERE id = ?1",
+        "INSERT INTO entry_text (id, words) SELECT id, name || ' ' || kind || ' ' || "
+        "coalesce((SELECT group_concat(tag, ' ') FROM tag WHERE entry = id), '') || ' ' || "
+        "coalesce((SELECT group_concat(value, ' ') FROM json_tree(summary) WHERE type = 'text'), '') FROM entry WHERE id = ?1"}) {
     Result<Statement> statement = database_.prepare(sql);
     if (!statement) return fail(std::move(statement.error()));
     if (Result<void> done = statement->bind(1, id).run(); !done) return done;
@@ -255,29 +259,38 @@ Result<std::vector<std::string>> Library::put(std::span<const LibraryItem> items
   Result<Transaction> transaction = Transaction::begin(database_);
   if (!transaction) return fail(std::move(transaction.error()));
   Result<Statement> has = database_.prepare("SELECT (SELECT bytes FROM data WHERE entry = id) = ?2 FROM entry WHERE id = ?1");
-  Result<Statement> insert = database_.prepare("INSERT INTO entry (id, kind, name, summary, created, size) VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+  Result<Statement> insert =
+      database_.prepare("INSERT INTO entry (id, kind, name, summary, created, size) VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
   Result<Statement> insert_data = database_.prepare("INSERT INTO data (entry, bytes) VALUES (?1, ?2)");
   Result<Statement> insert_tag = database_.prepare("INSERT OR IGNORE INTO tag (entry, tag) VALUES (?1, ?2)");
   Result<Statement> is_json = database_.prepare("SELECT json_valid(?1) AND json_type(?1) = 'object'");
   for (Result<Statement>* statement : {&has, &insert, &insert_data, &insert_tag, &is_json})
     if (!*statement) return fail(std::move(statement->error()));
   for (const LibraryItem& item : items) {
-    if (item.name.empty())
-      return fail(ErrorCode::structure, path(), "An entry of the library needs a name.", "Give it one with --name.");
+    if (item.name.empty()) return fail(ErrorCode::structure, path(), "An entry of the library needs a name.", "Give it one with --name.");
     const std::string id = entry_id(item.kind, item.data);
     const Result<bool> judged = is_json->bind(1, item.summary).step();
     if (!judged) return fail(judged.error());
     if (!*judged || is_json->integer(0) == 0)
-      return fail(ErrorCode::syntax, path() + ", entry " + id, "The summary of '" + item.name + "' is no JSON object.", "Give an object, for example {}.");
+      return fail(ErrorCode::syntax, path() + ", entry " + id, "The summary of '" + item.name + "' is no JSON object.",
+                  "Give an object, for example {}.");
     is_json->reset();
     Result<bool> known = has->bind(1, id).bind_blob(2, item.data).step();
     if (!known) return fail(std::move(known.error()));
     const bool same = *known && has->integer(0) != 0;
     has->reset();
     if (*known && !same)
-      return fail(ErrorCode::conflict, path() + ", entry " + id, "Other data have the same id.", "Change the name of what you import a little and try again.");
+      return fail(ErrorCode::conflict, path() + ", entry " + id, "Other data have the same id.",
+                  "Change the name of what you import a little and try again.");
     if (!*known) {
-      if (Result<void> done = insert->bind(1, id).bind(2, name_of(item.kind)).bind(3, item.name).bind(4, item.summary).bind(5, now_utc()).bind(6, static_cast<std::int64_t>(item.data.size())).run(); !done)
+      if (Result<void> done = insert->bind(1, id)
+                                  .bind(2, name_of(item.kind))
+                                  .bind(3, item.name)
+                                  .bind(4, item.summary)
+                                  .bind(5, now_utc())
+                                  .bind(6, static_cast<std::int64_t>(item.data.size()))
+                                  .run();
+          !done)
         return fail(std::move(done.error()));
       if (Result<void> done = insert_data->bind(1, id).bind_blob(2, item.data).run(); !done) return fail(std::move(done.error()));
     }
@@ -308,8 +321,8 @@ Result<void> Library::set_tags(std::string_view id, std::span<const std::string>
   if (!transaction) return fail(std::move(transaction.error()));
   if (const Result<LibraryEntry> entry = get(id); !entry) return fail(entry.error());
   for (const bool adding : {false, true}) {
-    Result<Statement> statement =
-        database_.prepare(adding ? "INSERT OR IGNORE INTO tag (entry, tag) VALUES (?1, ?2)" : "DELETE FROM tag WHERE entry = ?1 AND tag = ?2");
+    Result<Statement> statement = database_.prepare(adding ? "INSERT OR IGNORE INTO tag (entry, tag) VALUES (?1, ?2)"
+                                                           : "DELETE FROM tag WHERE entry = ?1 AND tag = ?2");
     if (!statement) return fail(std::move(statement.error()));
     for (const std::string& tag : adding ? add : remove) {
       if (tag.empty()) return fail(ErrorCode::structure, path(), "A tag cannot be empty.", "Give a word.");

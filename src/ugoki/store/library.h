@@ -20,13 +20,13 @@ enum class EntryKind { mechanism, motion, measured };
 
 /// One entry without its data.
 struct LibraryEntry {
-  std::string id;           ///< made from the data: equal data have equal ids. "m-...", "n-...", "d-..."
+  std::string id;  ///< made from the data: equal data have equal ids. "m-...", "n-...", "d-..."
   EntryKind kind = EntryKind::motion;
   std::string name;
-  std::string summary = "{}";  ///< JSON object: what lists show (frames, mass, source ...)
+  std::string summary = "{}";     ///< JSON object: what lists show (frames, mass, source ...)
   std::vector<std::string> tags;  ///< sorted
-  std::string created;      ///< UTC, "2026-03-01T12:00:00Z"
-  std::size_t size = 0;     ///< bytes of the data
+  std::string created;            ///< UTC, "2026-03-01T12:00:00Z"
+  std::size_t size = 0;           ///< bytes of the data
 };
 
 /// What is put in.
@@ -39,9 +39,9 @@ struct LibraryItem {
 };
 
 struct LibraryQuery {
-  std::string text;               ///< words (or their beginnings) of name, tags or summary; all must be found
-  std::vector<std::string> kinds; ///< names of kinds; empty: all
-  std::vector<std::string> tags;  ///< all of them
+  std::string text;                ///< words (or their beginnings) of name, tags or summary; all must be found
+  std::vector<std::string> kinds;  ///< names of kinds; empty: all
+  std::vector<std::string> tags;   ///< all of them
   std::size_t limit = 10'000;
 };
 

@@ -38,12 +38,16 @@ Result<void> check_library(Database& database) {
   if (!version) return fail(version.error());
   if (*tables == 0 && *application == 0 && *version == 0) return {};
   if (*application != library_application_id)
-    return fail(ErrorCode::syntax, database.path(), "This database is not a library of Ugoki.", "Choose another file with --library or $UGOKI_LIBRARY.");
+    return fail(ErrorCode::syntax, database.path(), "This database is not a library of Ugoki.",
+                "Choose another file with --library or $UGOKI_LIBRARY.");
   if (*version > library_version)
     return fail(ErrorCode::unsupported, database.path(),
-                "The library was made by a newer Ugoki (version " + std::to_string(*version) + "; this program knows " + std::to_string(library_version) + ").",
+                "The library was made by a newer Ugoki (version " + std::to_string(*version) + "; this program knows " +
+                    std::to_string(library_version) + ").",
                 "Use a newer Ugoki, or choose another file with --library.");
-  if (*version < 1) return fail(ErrorCode::syntax, database.path(), "The library has an impossible version.", "Restore it from a copy; it was left as it is.");
+  if (*version < 1)
+    return fail(ErrorCode::syntax, database.path(), "The library has an impossible version.",
+                "Restore it from a copy; it was left as it is.");
   return database.check_structure();
 }
 
@@ -57,7 +61,8 @@ Result<void> migrate_library(Database& database) {
   if (!version) return fail(std::move(version.error()));
   for (std::int64_t v = *version; v < library_version; ++v)
     if (Result<void> done = database.run(migrations[static_cast<std::size_t>(v)]); !done) return done;
-  Result<void> marked = database.run("PRAGMA application_id = " + std::to_string(library_application_id) + "; PRAGMA user_version = " + std::to_string(library_version));
+  Result<void> marked = database.run("PRAGMA application_id = " + std::to_string(library_application_id) +
+                                     "; PRAGMA user_version = " + std::to_string(library_version));
   if (!marked) return marked;
   return transaction->commit();
 }

@@ -19,32 +19,31 @@ Problem problem_of(int code, const char* message, const std::string& path, std::
   switch (code & 0xff) {
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return {ErrorCode::conflict, path, did + " is locked by another program.", "Close the other program or wait until it has finished, then try again."};
+      return {ErrorCode::conflict, path, did + " is locked by another program.",
+              "Close the other program or wait until it has finished, then try again."};
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
-      return {ErrorCode::syntax, path, did + " is damaged or is not a database (" + message + ").", "Restore it from a copy; it was left as it is."};
+      return {ErrorCode::syntax, path, did + " is damaged or is not a database (" + message + ").",
+              "Restore it from a copy; it was left as it is."};
     case SQLITE_FULL:
       return {ErrorCode::io, path, did + " cannot grow: the disk is full.", "Free some space and try again; nothing was half written."};
-    case SQLITE_READONLY:
-      return {ErrorCode::io, path, did + " cannot be written.", "Check the permissions of the file and of its folder."};
+    case SQLITE_READONLY: return {ErrorCode::io, path, did + " cannot be written.", "Check the permissions of the file and of its folder."};
     case SQLITE_CANTOPEN:
       return {ErrorCode::io, path, did + " cannot be opened.", "Check that the folder exists and that you may read and write it."};
     case SQLITE_PERM:
-    case SQLITE_AUTH:
-      return {ErrorCode::io, path, did + " may not be accessed.", "Check the permissions of the file and of its folder."};
-    case SQLITE_NOMEM:
-      return {ErrorCode::io, path, did + " needs more memory than there is.", "Close other programs and try again."};
-    case SQLITE_TOOBIG:
-      return {ErrorCode::range, path, did + " cannot hold an entry of this size.", "Entries may have up to 1 GB."};
-    default:
-      return {ErrorCode::io, path, did + " failed: " + message + ".", "Check the disk and the file's permissions, then try again."};
+    case SQLITE_AUTH: return {ErrorCode::io, path, did + " may not be accessed.", "Check the permissions of the file and of its folder."};
+    case SQLITE_NOMEM: return {ErrorCode::io, path, did + " needs more memory than there is.", "Close other programs and try again."};
+    case SQLITE_TOOBIG: return {ErrorCode::range, path, did + " cannot hold an entry of this size.", "Entries may have up to 1 GB."};
+    default: return {ErrorCode::io, path, did + " failed: " + message + ".", "Check the disk and the file's permissions, then try again."};
   }
 }
 
 }  // namespace
 
 Result<Database> Database::open(const std::string& path, OpenMode mode) {
-  const int flags = mode == OpenMode::read_only ? SQLITE_OPEN_READONLY : mode == OpenMode::read_write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  const int flags = mode == OpenMode::read_only    ? SQLITE_OPEN_READONLY
+                    : mode == OpenMode::read_write ? SQLITE_OPEN_READWRITE
+                                                   : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   sqlite3* handle = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &handle, flags | SQLITE_OPEN_EXRESCODE, nullptr);
   if (code != SQLITE_OK) {
@@ -55,8 +54,8 @@ Result<Database> Database::open(const std::string& path, OpenMode mode) {
   Database database(handle, path);
   sqlite3_busy_timeout(handle, busy_timeout_ms);
   sqlite3_limit(handle, SQLITE_LIMIT_ATTACHED, 2);
-  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);      // no writing around the file's structure
-  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr); // a hostile file's views run no functions of ours
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);       // no writing around the file's structure
+  sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);  // a hostile file's views run no functions of ours
   if (mode != OpenMode::read_only) return database;
   // Reading needs the -shm file beside the database; where it cannot be made, nobody can be writing either.
   if (const auto tables = database.integer("SELECT count(*) FROM sqlite_schema"); !tables) {
@@ -126,7 +125,8 @@ Result<std::string> Database::text(const std::string& sql) {
 Result<void> Database::check_structure() {
   const Result<std::string> answer = text("PRAGMA quick_check(1)");
   if (!answer) return fail(answer.error());
-  if (*answer != "ok") return fail(ErrorCode::syntax, path_, "The database is damaged (" + *answer + ").", "Restore it from a copy; it was left as it is.");
+  if (*answer != "ok")
+    return fail(ErrorCode::syntax, path_, "The database is damaged (" + *answer + ").", "Restore it from a copy; it was left as it is.");
   return {};
 }
 
