@@ -11,7 +11,7 @@ namespace ugoki::circuit {
 namespace {
 
 constexpr std::size_t max_items = 200000;      // LSIs and circuits, opened
-constexpr std::size_t max_searches = 4000000;  // pins looked up behind wires
+constexpr std::size_t max_searches = 1000000;  // pins looked up behind wires
 constexpr std::uint32_t max_every = 1000000;
 
 /// The class that stands for an input of the outermost circuit: one output, nothing to do.
