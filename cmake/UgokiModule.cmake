@@ -17,11 +17,6 @@ endif()
 # ugoki_module(<name> SOURCES <files>... [DEPENDS <modules>...] [PRIVATE_LIBS <targets>...])
 function(ugoki_module name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;PRIVATE_LIBS" ${ARGN})
-  foreach(source IN LISTS ARG_SOURCES) # DEV
-    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source}) # DEV
-      list(REMOVE_ITEM ARG_SOURCES ${source}) # DEV
-    endif() # DEV
-  endforeach() # DEV
   if(ARG_SOURCES)
     add_library(ugoki_${name} STATIC ${ARG_SOURCES})
     target_link_libraries(ugoki_${name} PUBLIC ugoki_settings PRIVATE ${ARG_PRIVATE_LIBS})
@@ -42,14 +37,6 @@ endfunction()
 function(ugoki_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LIBS" ${ARGN})
   find_package(GTest REQUIRED)
-  foreach(source IN LISTS ARG_SOURCES) # DEV
-    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source}) # DEV
-      list(REMOVE_ITEM ARG_SOURCES ${source}) # DEV
-    endif() # DEV
-  endforeach() # DEV
-  if(NOT ARG_SOURCES) # DEV
-    return() # DEV
-  endif() # DEV
   add_executable(ugoki_${name}_test ${ARG_SOURCES})
   if(TARGET ugoki_${name})
     target_link_libraries(ugoki_${name}_test PRIVATE ugoki_${name})
