@@ -283,6 +283,10 @@ TEST_F(InterpreterTest, LiveInputsAreRecordedAndReplayToTheSameBits) {
 TEST_F(InterpreterTest, AnInputBehindTheHeadMakesANewFuture) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.seek(2));
+  settle();
+  const std::uint64_t untouched = interpreter.head_digest();
+  ASSERT_TRUE(interpreter.restart());
   ASSERT_TRUE(interpreter.play(std::nullopt));
   pass(1);
   ASSERT_TRUE(interpreter.push("a", "0", {500, 0, 0}, 0.1));
@@ -302,6 +306,11 @@ TEST_F(InterpreterTest, AnInputBehindTheHeadMakesANewFuture) {
   ASSERT_TRUE(interpreter.seek(2));
   settle();
   EXPECT_EQ(interpreter.head_digest(), digest);
+  // From the start, nothing of what was done is left.
+  ASSERT_TRUE(interpreter.restart());
+  ASSERT_TRUE(interpreter.seek(2));
+  settle();
+  EXPECT_EQ(interpreter.head_digest(), untouched);
 }
 
 TEST_F(InterpreterTest, WrongInputsAreRefusedInWords) {
