@@ -25,6 +25,18 @@ step() {
   fi
 }
 
+# One build at a time in this folder: build/.lock is held on descriptor 9 until release_lock.
+take_lock() {
+  exec 9>"$root/build/.lock"
+  flock -n 9 && return 0
+  say "waiting for another ./start, ./test or ./bench that builds in this folder"
+  flock 9
+}
+release_lock() {
+  flock -u 9
+  exec 9>&-
+}
+
 # As many jobs as cores, but at least 1.5 GB of memory for each.
 build_jobs() {
   local cores memory
