@@ -124,7 +124,9 @@ std::string Intake::id_of(store::EntryKind kind) const {
 }
 
 std::optional<FileKind> file_kind(std::string_view file_name) {
-  std::string ending(file_name.substr(std::min(file_name.size(), file_name.rfind('.') + 1)));
+  const std::size_t dot = file_name.rfind('.');
+  if (dot == std::string_view::npos) return std::nullopt;
+  std::string ending(file_name.substr(dot + 1));
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   if (ending == "bvh") return FileKind::bvh;

@@ -1,0 +1,75 @@
+#include "ugoki/intake/intake.h"
+
+#include <gtest/gtest.h>
+
+#include "ugoki/formats/bvh.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::intake {
+namespace {
+
+TEST(Intake, KindsAndSkeletonsByName) {
+  EXPECT_EQ(file_kind("a/b/walk.BVH"), FileKind::bvh);
+  EXPECT_EQ(file_kind("12_01.amc"), FileKind::amc);
+  EXPECT_EQ(file_kind("12.asf"), FileKind::asf);
+  EXPECT_EQ(file_kind("m.json"), FileKind::mechanism_json);
+  EXPECT_EQ(file_kind("bvh"), std::nullopt);
+  EXPECT_EQ(file_kind("walk.bvh.txt"), std::nullopt);
+  EXPECT_EQ(skeleton_name_for("data/12_01.amc"), "data/12.asf");
+  EXPECT_EQ(skeleton_name_for("a_b/walk.amc"), "a_b/walk.asf");
+}
+
+TEST(Intake, ItemsReadBackAndPointAtEachOther) {
+  const std::string text = formats::write_bvh(samples::make_human_walk());
+  IntakeOptions options;
+  options.name = "stroll";
+  options.tags = {"own"};
+  options.mass = 81;
+  const auto taken = take_in(text, "folder/walk.bvh", nullptr, options);
+  ASSERT_TRUE(taken) << taken.error().text();
+  ASSERT_EQ(taken->items.size(), 3u);
+  for (const store::LibraryItem& item : taken->items) {
+    EXPECT_EQ(item.name, "stroll");
+    EXPECT_EQ(item.tags, options.tags);
+    EXPECT_NE(item.summary.find("\"source\":\"walk.bvh\""), std::string::npos) << item.summary;
+  }
+  EXPECT_NEAR(taken->mechanism->mass(), 81, 81 * 1e-9);
+  const std::string mechanism_id = taken->id_of(store::EntryKind::mechanism), measured_id = taken->id_of(store::EntryKind::measured);
+  EXPECT_NE(taken->items[2].summary.find("\"mechanism\":\"" + mechanism_id + "\""), std::string::npos);
+  EXPECT_NE(taken->items[2].summary.find("\"measured\":\"" + measured_id + "\""), std::string::npos);
+  const auto mechanism =
+      formats::read_mechanism({reinterpret_cast<const char*>(taken->items[0].data.data()), taken->items[0].data.size()}, "mechanism");
+  const auto motion = formats::read_motion(taken->items[2].data, "motion");
+  ASSERT_TRUE(mechanism && motion);
+  EXPECT_TRUE(check_motion(*motion, **mechanism).empty());
+  EXPECT_EQ(motion->q, taken->motion->q);
+
+  auto library = store::Library::open(":memory:");
+  ASSERT_TRUE(library) << library.error().text();
+  const auto ids = put(*library, *taken);
+  ASSERT_TRUE(ids) << ids.error().text();
+  EXPECT_EQ((*ids)[0], mechanism_id);
+  EXPECT_EQ(library->resolve("stroll", "motion")->id, taken->id_of(store::EntryKind::motion));
+}
+
+TEST(Intake, MechanismFilesAreEntriesToo) {
+  const auto taken = take_in(formats::write_mechanism(*samples::make_ball()), "ball.json");
+  ASSERT_TRUE(taken) << taken.error().text();
+  ASSERT_EQ(taken->items.size(), 1u);
+  EXPECT_EQ(taken->items[0].kind, store::EntryKind::mechanism);
+  EXPECT_TRUE(taken->id_of(store::EntryKind::motion).empty());
+}
+
+TEST(Intake, RefusesWithPlaceAndRemedy) {
+  for (const char* name : {"walk.bvh", "walk.amc", "walk.asf", "walk.json", "walk.png", "walk"}) {
+    const auto taken = take_in("nonsense", name);
+    ASSERT_FALSE(taken) << name;
+    EXPECT_TRUE(taken.error().problems.front().place.starts_with(name)) << taken.error().text();
+    EXPECT_FALSE(taken.error().problems.front().remedy.empty()) << taken.error().text();
+  }
+}
+
+}  // namespace
+}  // namespace ugoki::intake
