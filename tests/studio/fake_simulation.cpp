@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -44,7 +44,7 @@ class FakeSimulation final : public Simulation {
 
   Result<void> step() override {
     const double time = static_cast<double>(s_.step) * step_;
-    if (time >= crash_) std::raise(SIGSEGV);
+    if (time >= crash_) std::abort();
     while (time >= hang_) ::usleep(1000);
     if (time >= blow_up_) return fail(ErrorCode::range, "body a, joint hip, 1.000 s", "The velocity is not finite.", "Take a smaller step.");
     for (std::size_t c = 0; c < cast_.size(); ++c) {
