@@ -38,7 +38,9 @@ Result<project::Project> open_sample(const std::string& library) {
   const fs::path folder = fs::path(library).parent_path();
   std::error_code ec;
   fs::create_directories(folder.empty() ? "." : folder, ec);
-  if (ec) return fail(ErrorCode::io, folder.string(), "The folder for the sample content cannot be made: " + ec.message() + ".", "Name a project: ugoki studio PROJECT.");
+  if (ec)
+    return fail(ErrorCode::io, folder.string(), "The folder for the sample content cannot be made: " + ec.message() + ".",
+                "Name a project: ugoki studio PROJECT.");
   constexpr int most = 20;
   for (int n = 1;; ++n) {
     const std::string path = (folder / (n == 1 ? "sample.ugoki" : "sample-" + std::to_string(n) + ".ugoki")).string();

@@ -22,7 +22,8 @@ std::pair<double, double> extent_z(const Mechanism& m, const std::vector<Pose>& 
       if (!wanted(s)) continue;
       const Pose P = X[static_cast<std::size_t>(i)] * s.X_BS;
       const Vec3 up = P.R.row(2);
-      const double reach = s.type == ShapeType::box ? std::fabs(up.x) * s.half_extents.x + std::fabs(up.y) * s.half_extents.y + std::fabs(up.z) * s.half_extents.z
+      const double reach = s.type == ShapeType::box ? std::fabs(up.x) * s.half_extents.x + std::fabs(up.y) * s.half_extents.y +
+                                                          std::fabs(up.z) * s.half_extents.z
                                                     : s.radius + s.half_length * std::fabs(up.z);
       low = std::min(low, P.p.z - reach);
       high = std::max(high, P.p.z + reach);
@@ -84,7 +85,8 @@ TEST(BodyShapes, SharedFiguresStandAndLookLikeHumans) {
       for (const Sole& sole : body->soles) {
         const int link = body->link_of_joint[static_cast<std::size_t>(sole.foot)];
         const auto i = static_cast<std::size_t>(link);
-        if (norm(X[i].p - before[i].p) * motion.rate > 0.12 || norm(X[i] * sole.ball - before[i] * sole.ball) * motion.rate > 0.12) continue;
+        if (norm(X[i].p - before[i].p) * motion.rate > 0.12 || norm(X[i] * sole.ball - before[i] * sole.ball) * motion.rate > 0.12)
+          continue;
         double low = 1e9;
         for (const SupportPoint& p : support_points(m.link(link))) low = std::min(low, (X[i] * p.p).z - p.radius);
         deviations.push_back(std::fabs(low));

@@ -42,7 +42,8 @@ void check_human(const MeasuredMotion& measured, const Body& body) {
   EXPECT_NEAR(total_mass(m) / body.mass, 1, 1e-9);
   EXPECT_GT(body.height, 1.45);
   EXPECT_LT(body.height, 2.0);
-  for (const char* label : {"pelvis", "abdomen", "chest", "neck", "head", "thigh left", "shank right", "foot left", "toes right", "upper arm left", "forearm right", "hand left"})
+  for (const char* label : {"pelvis", "abdomen", "chest", "neck", "head", "thigh left", "shank right", "foot left", "toes right",
+                            "upper arm left", "forearm right", "hand left"})
     EXPECT_NE(labelled(m, label), nullptr) << label;
   // Mirror symmetry, to the bit.
   for (const Link& l : m.links()) {
@@ -189,7 +190,8 @@ TEST(Body, ShiftingJointIsReported) {
   measured.translations[5 * measured.skeleton.joints.size() + 2].z += 0.01;
   const auto body = make_body(measured);
   ASSERT_TRUE(body.has_value());
-  EXPECT_TRUE(std::any_of(body->report.begin(), body->report.end(), [](const std::string& s) { return s.find("Joint Chest is measured to shift by up to 10.0 mm") == 0; }));
+  EXPECT_TRUE(std::any_of(body->report.begin(), body->report.end(),
+                          [](const std::string& s) { return s.find("Joint Chest is measured to shift by up to 10.0 mm") == 0; }));
   // A constant place other than the skeleton's offset is kept exactly.
   measured = testing::made_figure(20);
   for (std::size_t f = 0; f < 20; ++f) measured.translations[f * measured.skeleton.joints.size() + 2].z += 0.01;

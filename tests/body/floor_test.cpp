@@ -65,10 +65,10 @@ Hopper hopper() {
     out.motion.q.insert(out.motion.q.end(), q, q + 7);
     ++out.motion.frames;
   };
-  for (int i = 0; i < 30; ++i) add(0, 0.5 - 0.4 * i / 29.0);        // comes down
-  for (int i = 0; i < 40; ++i) add(0.001 * i, 0.1);                 // stands, creeping 0.1 m/s
+  for (int i = 0; i < 30; ++i) add(0, 0.5 - 0.4 * i / 29.0);           // comes down
+  for (int i = 0; i < 40; ++i) add(0.001 * i, 0.1);                    // stands, creeping 0.1 m/s
   for (int i = 0; i < 20; ++i) add(0.039 + 0.02 * i, 0.1 + 0.01 * i);  // leaves at 2 m/s
-  for (int i = 0; i < 3; ++i) add(0.5, 0.11);                       // touches for 30 ms only
+  for (int i = 0; i < 3; ++i) add(0.5, 0.11);                          // touches for 30 ms only
   for (int i = 0; i < 20; ++i) add(0.6 + 0.02 * i, 0.3);
   return out;
 }

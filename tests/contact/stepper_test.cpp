@@ -114,8 +114,10 @@ TEST(Stepper, BoxOnSlopeDoesWhatCoulombSays) {
     w.states[0].q[2] = 0.1;
     for (int i = 0; i < 500; ++i) ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
     const double acceleration = 9.81 * (std::sin(angle) - 0.5 * std::cos(angle));
-    if (std::tan(angle) < 0.5) EXPECT_LT(w.states[0].q[0], 2e-3);
-    else EXPECT_NEAR(w.states[0].q[0], 0.5 * acceleration, 0.02 * acceleration);
+    if (std::tan(angle) < 0.5)
+      EXPECT_LT(w.states[0].q[0], 2e-3);
+    else
+      EXPECT_NEAR(w.states[0].q[0], 0.5 * acceleration, 0.02 * acceleration);
   }
 }
 

@@ -15,7 +15,8 @@ namespace {
 MechanismPtr biped() {
   MechanismSpec spec;
   spec.name = "biped";
-  const auto add = [&](const std::string& name, const std::string& parent, JointType type, const Vec3& at, const Shape& shape, double density) {
+  const auto add = [&](const std::string& name, const std::string& parent, JointType type, const Vec3& at, const Shape& shape,
+                       double density) {
     LinkSpec l;
     l.name = name;
     l.parent = parent;
@@ -29,7 +30,8 @@ MechanismPtr biped() {
   for (const double side : {-1.0, 1.0}) {
     const std::string s = side < 0 ? "right" : "left";
     add("leg " + s, "trunk", JointType::spherical, {0, 0.1 * side, 0}, Shape::capsule(0.06, {0, 0, -0.1}, {0, 0, -0.75}), 1000);
-    add("foot " + s, "leg " + s, JointType::spherical, {0, 0, -0.85}, Shape::box({0.12, 0.05, 0.03}, {Mat3::identity(), {0.05, 0, -0.03}}), 1000);
+    add("foot " + s, "leg " + s, JointType::spherical, {0, 0, -0.85}, Shape::box({0.12, 0.05, 0.03}, {Mat3::identity(), {0.05, 0, -0.03}}),
+        1000);
   }
   return Mechanism::make(std::move(spec)).value();
 }
@@ -48,9 +50,7 @@ struct Simulation {
   std::vector<double> reference = m->neutral(), rest = std::vector<double>(static_cast<std::size_t>(m->nv()));
   ControlOutput last;
 
-  explicit Simulation(const ControlOptions& options = {}) : control(m, options) {
-    state.q[2] = reference[2] = 0.91;
-  }
+  explicit Simulation(const ControlOptions& options = {}) : control(m, options) { state.q[2] = reference[2] = 0.91; }
   void step(const Vec3& push) {
     calc_poses(*m, state.q, X);
     const std::span<const Pose> poses(X);

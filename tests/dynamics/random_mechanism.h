@@ -23,7 +23,8 @@ class RandomSource {
 
 /// A body of random density in a random box: always a possible inertia.
 inline Inertia random_inertia(RandomSource& random) {
-  const Shape box = Shape::box({random.uniform(0.05, 0.3), random.uniform(0.05, 0.3), random.uniform(0.05, 0.3)}, {random.rotation(), random.vec(0.3)});
+  const Shape box =
+      Shape::box({random.uniform(0.05, 0.3), random.uniform(0.05, 0.3), random.uniform(0.05, 0.3)}, {random.rotation(), random.vec(0.3)});
   return solid_inertia(box, random.uniform(200, 2000));
 }
 
@@ -35,7 +36,8 @@ inline MechanismSpec random_spec(RandomSource& random, int links, std::span<cons
     LinkSpec l;
     l.name = "link" + std::to_string(i);
     if (i > 0) l.parent = "link" + std::to_string(random.below(4) == 0 ? random.below(i) : i - 1);
-    l.joint.type = only.empty() ? static_cast<JointType>(random.below(9)) : only[static_cast<std::size_t>(random.below(static_cast<int>(only.size())))];
+    l.joint.type = only.empty() ? static_cast<JointType>(random.below(9))
+                                : only[static_cast<std::size_t>(random.below(static_cast<int>(only.size())))];
     if (i == 0) l.joint.type = floating_base ? JointType::floating : JointType::revolute;
     l.joint.X_PJ = {random.rotation(), random.vec(0.4)};
     l.joint.axis = random.direction();

@@ -32,8 +32,9 @@ MechanismPtr figure() {
 void truth(double t, double* q) {
   const Quat turn = exp_map(Vec3{0.3, -0.5, 0.8} * (0.9 * std::sin(2 * t)));
   const Quat ball = exp_map(Vec3{0.4 * std::sin(3 * t), 0.2, 0.3 * std::cos(2 * t)});
-  const double values[] = {1.2 * t, 0.1 * std::sin(5 * t), 0.9 + 0.03 * std::cos(6 * t), turn.w, turn.x, turn.y, turn.z,
-                           ball.w,  ball.x,               ball.y,                       ball.z, 0.7 * std::sin(4 * t)};
+  const double values[] = {
+      1.2 * t, 0.1 * std::sin(5 * t), 0.9 + 0.03 * std::cos(6 * t), turn.w, turn.x, turn.y, turn.z, ball.w, ball.x, ball.y,
+      ball.z,  0.7 * std::sin(4 * t)};
   std::copy(std::begin(values), std::end(values), q);
 }
 
@@ -81,7 +82,8 @@ TEST(SmoothMotion, PositionVelocityAndAccelerationBelongTogether) {
 TEST(SmoothMotion, FilterTakesTheNoiseAndLeavesTheMotion) {
   const MechanismPtr m = figure();
   const double noise = 0.004;
-  const SmoothMotion raw(recorded(*m, noise, false), *m, 0), smooth(recorded(*m, noise, false), *m, 6), clean(recorded(*m, 0, false), *m, 0);
+  const SmoothMotion raw(recorded(*m, noise, false), *m, 0), smooth(recorded(*m, noise, false), *m, 6),
+      clean(recorded(*m, 0, false), *m, 0);
   std::vector<double> q(12), v(10), a(10), q_clean(12), v_clean(10), a_clean(10), d(10);
   double error_raw = 0, error_smooth = 0, moved = 0;
   for (double t = 0.1; t < 2.9; t += 0.01) {

@@ -77,7 +77,8 @@ TEST(Samples, EveryMotionFitsItsMechanismAndRepeats) {
     for (const double x : v) EXPECT_NEAR(x, 0, 1e-6) << id;
     // Smooth: no joint jumps, over the seam neither (40 rad/s at most, at 120 frames a second).
     for (int f = 0; f + 1 < m->frames; ++f) {
-      difference(figure, std::span(m->frame(f), static_cast<std::size_t>(m->nq)), std::span(m->frame(f + 1), static_cast<std::size_t>(m->nq)), v);
+      difference(figure, std::span(m->frame(f), static_cast<std::size_t>(m->nq)),
+                 std::span(m->frame(f + 1), static_cast<std::size_t>(m->nq)), v);
       for (const double x : v) EXPECT_LT(std::fabs(x), 40.0 / 120) << id << " frame " << f;
     }
   }
@@ -133,7 +134,8 @@ TEST(Human, StandsStill) {
   const Kinematics k = measure(mechanism("human"), motion("human-stand"));
   EXPECT_LT(k.worst_skate_cm, 0.05);
   EXPECT_LT(k.penetration_mm, 0.5);
-  for (const ContactTrack& c : motion("human-stand").contacts) EXPECT_EQ(std::count(c.on.begin(), c.on.end(), 1), motion("human-stand").frames);
+  for (const ContactTrack& c : motion("human-stand").contacts)
+    EXPECT_EQ(std::count(c.on.begin(), c.on.end(), 1), motion("human-stand").frames);
 }
 
 TEST(Dog, HasTheSizeOfAShepherd) {
@@ -148,10 +150,12 @@ TEST(Dog, HasTheSizeOfAShepherd) {
     EXPECT_NEAR(l.inertia.mass, dog.link(r).inertia.mass, 1e-12);
     EXPECT_NEAR(l.inertia.h.y, -dog.link(r).inertia.h.y, 1e-12) << l.name;
   }
-  // Dogs carry some 60 % of their weight on the fore legs ("A 60:40 split: differential mass support in dogs", Anatomical Record 2020, doi 10.1002/ar.24407).
+  // Dogs carry some 60 % of their weight on the fore legs ("A 60:40 split: differential mass support in dogs", Anatomical Record 2020,
+  // doi 10.1002/ar.24407).
   std::vector<Pose> X(static_cast<std::size_t>(dog.link_count()));
   calc_poses(dog, dog.neutral(), X);
-  const double hind = X[static_cast<std::size_t>(dog.find_link("LeftHindPaw"))].p.x, fore = X[static_cast<std::size_t>(dog.find_link("LeftForePaw"))].p.x;
+  const double hind = X[static_cast<std::size_t>(dog.find_link("LeftHindPaw"))].p.x,
+               fore = X[static_cast<std::size_t>(dog.find_link("LeftForePaw"))].p.x;
   const double share = (centre_of_mass(dog, X).x - hind) / (fore - hind);
   EXPECT_NEAR(share, 0.60, 0.04);
   // Paws on the ground, withers at 0.62 m.

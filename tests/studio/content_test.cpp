@@ -63,7 +63,8 @@ class ContentTest : public testing::Test {
   float distance(const Frame& a, const Frame& b, std::size_t character) {
     float most = 0;
     for (std::size_t l = 0; l < a.characters[character].links.size(); ++l) {
-      for (std::size_t i = 0; i < 3; ++i) most = std::max(most, std::abs(a.characters[character].links[l][i] - b.characters[character].links[l][i]));
+      for (std::size_t i = 0; i < 3; ++i)
+        most = std::max(most, std::abs(a.characters[character].links[l][i] - b.characters[character].links[l][i]));
     }
     return most;
   }

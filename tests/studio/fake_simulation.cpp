@@ -46,7 +46,8 @@ class FakeSimulation final : public Simulation {
     const double time = static_cast<double>(s_.step) * step_;
     if (time >= crash_) std::abort();
     while (time >= hang_) ::usleep(1000);
-    if (time >= blow_up_) return fail(ErrorCode::range, "body a, joint hip, 1.000 s", "The velocity is not finite.", "Take a smaller step.");
+    if (time >= blow_up_)
+      return fail(ErrorCode::range, "body a, joint hip, 1.000 s", "The velocity is not finite.", "Take a smaller step.");
     for (std::size_t c = 0; c < cast_.size(); ++c) {
       double force = wind_ * std::sqrt(1 + s_.x[c] * s_.x[c]);
       if (static_cast<double>(s_.step) < s_.push_end[c]) force += s_.push[c];
@@ -89,7 +90,9 @@ class FakeSimulation final : public Simulation {
   void release() override { s_.grabbed = -1; }
 
   void encode_frame(std::vector<std::byte>& out) override { encode(out, s_.x, content::FigureState::tracking); }
-  void encode_pose(double time, std::vector<std::byte>& out) override { encode(out, std::vector<double>(cast_.size(), time * 10 + start_), content::FigureState::edit); }
+  void encode_pose(double time, std::vector<std::byte>& out) override {
+    encode(out, std::vector<double>(cast_.size(), time * 10 + start_), content::FigureState::edit);
+  }
 
   CharacterSummary summary(int character) override {
     CharacterSummary summary;
@@ -97,7 +100,9 @@ class FakeSimulation final : public Simulation {
     summary.fell = summary.foot_skate_cm > 1000;
     return summary;
   }
-  std::uint8_t feet_on_ground(int) override { return static_cast<std::uint8_t>(s_.step / 250 % 2 == 0 ? 2 : 1); }  // changes each half second
+  std::uint8_t feet_on_ground(int) override {
+    return static_cast<std::uint8_t>(s_.step / 250 % 2 == 0 ? 2 : 1);
+  }  // changes each half second
 
  private:
   struct State {

@@ -1,7 +1,7 @@
 #pragma once
 // A simulation for tests of the interpreter: masses on a line, that are pushed and pulled. Its executable data is a JSON object:
-// {"step", "duration", "rate", "cast": [{"id", "links"}], "blow_up": time, "crash": time, "hang": time, "wind": force, "start": x at time 0 of poses}; or a real *.ugx, whose
-// scenario's name may hold such an object.
+// {"step", "duration", "rate", "cast": [{"id", "links"}], "blow_up": time, "crash": time, "hang": time, "wind": force, "start": x at time 0
+// of poses}; or a real *.ugx, whose scenario's name may hold such an object.
 
 #include <array>
 

@@ -65,7 +65,8 @@ class Listener {
 class ProcessTest : public testing::Test {
  protected:
   void start() {
-    Result<std::unique_ptr<InterpreterProcess>> started = InterpreterProcess::start({"/proc/self/exe", {"interpret-fake"}}, listener.events());
+    Result<std::unique_ptr<InterpreterProcess>> started =
+        InterpreterProcess::start({"/proc/self/exe", {"interpret-fake"}}, listener.events());
     ASSERT_TRUE(started) << started.error().text();
     process = std::move(*started);
   }
@@ -207,7 +208,8 @@ TEST(FrameRing, ARunningWriterNeverTearsAFrame) {
 }  // namespace ugoki::studio
 
 int main(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "interpret-fake") return ugoki::studio::run_interpreter(ugoki::studio::test::open_fake_simulation);
+  if (argc > 1 && std::string_view(argv[1]) == "interpret-fake")
+    return ugoki::studio::run_interpreter(ugoki::studio::test::open_fake_simulation);
   if (argc > 1 && std::string_view(argv[1]) == "interpret") return ugoki::studio::run_interpreter(ugoki::studio::open_player);
   testing::InitGoogleTest(&argc, argv);
   return RUN_ALL_TESTS();

@@ -54,7 +54,8 @@ TEST(Security, DecodesAddresses) {
 
 TEST(Security, KnowsPathsThatLeadOut) {
   for (const char* good : {"/", "/index.html", "/assets/a.js", "/a..b/c...d", "/.hidden"}) EXPECT_TRUE(is_plain_path(good)) << good;
-  for (const char* bad : {"", "a", "/..", "/../etc/passwd", "/a/../../b", "/./a", "/a\\..\\b", "/a\nb"}) EXPECT_FALSE(is_plain_path(bad)) << bad;
+  for (const char* bad : {"", "a", "/..", "/../etc/passwd", "/a/../../b", "/./a", "/a\\..\\b", "/a\nb"})
+    EXPECT_FALSE(is_plain_path(bad)) << bad;
 }
 
 TEST(Security, GateFollowsTheProtocol) {
@@ -85,7 +86,8 @@ TEST(Security, GateFollowsTheProtocol) {
   c.host_count = 2;
   EXPECT_EQ(gate.admit(c), Admission::bad_host);
   c.host_count = 1;
-  for (const char* origin : {"http://localhost:4711", "https://127.0.0.1:4711", "null", "", "http://127.0.0.1:4712", "http://evil.example"}) {
+  for (const char* origin :
+       {"http://localhost:4711", "https://127.0.0.1:4711", "null", "", "http://127.0.0.1:4712", "http://evil.example"}) {
     c.origin = origin;
     EXPECT_EQ(gate.admit(c), Admission::bad_origin) << origin;
   }

@@ -144,8 +144,8 @@ TEST_F(ServerTest, RefusesStrangersInWords) {
 }
 
 TEST_F(ServerTest, NothingOutsideOfThePageIsServed) {
-  for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/assets/../../secret.txt", "/assets/%2e%2e%2f%2e%2e/secret.txt", "/link.txt",
-                           "/..%5csecret.txt", "//etc/passwd", "/assets", "/nothing.js", "/assets/a.js/x"}) {
+  for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/assets/../../secret.txt", "/assets/%2e%2e%2f%2e%2e/secret.txt",
+                           "/link.txt", "/..%5csecret.txt", "//etc/passwd", "/assets", "/nothing.js", "/assets/a.js/x"}) {
     const Reply r = request(port(), "GET", path, {cookie()});
     EXPECT_EQ(r.status, 404) << path;
     EXPECT_EQ(r.body.find("outside"), std::string::npos) << path;
@@ -189,7 +189,8 @@ TEST_F(ServerTest, RefusesWhatIsTooLarge) {
   std::string chunks;
   for (int i = 0; i < 40; ++i) chunks += "10000\r\n" + std::string(0x10000, 'x') + "\r\n";
   test::Socket socket(port());
-  socket.send("POST /api/import" + query() + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) + "\r\nTransfer-Encoding: chunked\r\n\r\n");
+  socket.send("POST /api/import" + query() + " HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(port()) +
+              "\r\nTransfer-Encoding: chunked\r\n\r\n");
   socket.send(chunks);
   EXPECT_TRUE(socket.receive_all().starts_with("HTTP/1.1 413"));
   const Reply header = request(port(), "GET", "/", {"X-Long: " + std::string(100'000, 'x')});
@@ -205,9 +206,17 @@ TEST_F(ServerTest, RefusesWhatIsTooLarge) {
 TEST_F(ServerTest, SurvivesWhatIsNotHttp) {
   const std::string host = "Host: 127.0.0.1:" + std::to_string(port()) + "\r\n";
   const std::string garbage[] = {
-      "\r\n\r\n", "GET\r\n\r\n", "GET / HTTP/9.9\r\n\r\n", std::string(5000, '\0'), std::string(5000, '\xff'), "\x16\x03\x01\x02\x00\x01",
-      "POST /api/import HTTP/1.1\r\n" + host + "Content-Length: -5\r\n\r\n", "POST /api/import HTTP/1.1\r\n" + host + "Content-Length: x\r\n\r\n",
-      "GET / HTTP/1.1\r\nHost\r\n\r\n", "BREW / HTTP/1.1\r\n" + host + "\r\n", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
+      "\r\n\r\n",
+      "GET\r\n\r\n",
+      "GET / HTTP/9.9\r\n\r\n",
+      std::string(5000, '\0'),
+      std::string(5000, '\xff'),
+      "\x16\x03\x01\x02\x00\x01",
+      "POST /api/import HTTP/1.1\r\n" + host + "Content-Length: -5\r\n\r\n",
+      "POST /api/import HTTP/1.1\r\n" + host + "Content-Length: x\r\n\r\n",
+      "GET / HTTP/1.1\r\nHost\r\n\r\n",
+      "BREW / HTTP/1.1\r\n" + host + "\r\n",
+      "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n",
       "POST " + ("/api/import" + query()) + " HTTP/1.1\r\n" + host + "Transfer-Encoding: chunked\r\n\r\nzzz\r\n"};
   for (const std::string& text : garbage) {
     test::Socket socket(port());
@@ -226,7 +235,8 @@ TEST_F(ServerTest, SurvivesWhatIsNotHttp) {
 TEST_F(ServerTest, WebSocketEchoes) {
   WebSocket socket(port(), ws());
   ASSERT_EQ(socket.status(), 101);
-  for (const std::size_t size : {std::size_t{1}, std::size_t{125}, std::size_t{126}, std::size_t{65535}, std::size_t{65536}, std::size_t{500'000}}) {
+  for (const std::size_t size :
+       {std::size_t{1}, std::size_t{125}, std::size_t{126}, std::size_t{65535}, std::size_t{65536}, std::size_t{500'000}}) {
     const std::string text(size, 'x');
     socket.send_text(text);
     const auto answer = socket.receive();
@@ -263,7 +273,9 @@ TEST_F(ServerTest, MalformedWebSocketFramesEndOnlyThatPage) {
     ASSERT_TRUE(answer);
     EXPECT_EQ(answer->opcode, 8);
   }
-  { WebSocket gone(port(), ws()); }
+  {
+    WebSocket gone(port(), ws());
+  }
   EXPECT_TRUE(echo.wait_closed(5));
   good.send_text("still here");
   const auto answer = good.receive();

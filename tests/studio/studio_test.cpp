@@ -12,10 +12,10 @@
 #include "../content/fixture.h"
 #include "client.h"
 #include "fake_simulation.h"
+#include "ugoki/content/display_frame.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/store/library.h"
-#include "ugoki/content/display_frame.h"
 
 namespace ugoki::studio {
 namespace {
@@ -93,8 +93,11 @@ class StudioTest : public testing::Test {
     const std::string walker = formats::write_mechanism(*content::testing::make_walker());
     store::LibraryItem body{store::EntryKind::mechanism, "walker", R"({"freedoms":7,"mass":12})", {}, bytes(walker)};
     const std::string body_id = store::entry_id(store::EntryKind::mechanism, body.data);
-    store::LibraryItem motion{store::EntryKind::motion, "run", R"({"duration":1,"rate":100,"frames":101,"mechanism":")" + body_id + R"("})",
-                              {"quick"}, formats::write_motion(run)};
+    store::LibraryItem motion{store::EntryKind::motion,
+                              "run",
+                              R"({"duration":1,"rate":100,"frames":101,"mechanism":")" + body_id + R"("})",
+                              {"quick"},
+                              formats::write_motion(run)};
     const auto put = library->put(std::vector{body, motion});
     ASSERT_TRUE(put) << put.error().text();
     library_mechanism_ = (*put)[0];
@@ -145,7 +148,8 @@ TEST_F(StudioTest, HelloTellsEverythingAndAFrameFollows) {
   EXPECT_EQ(hello["transport"]["mode"], "edit");
   EXPECT_EQ(hello["transport"]["duration"], 8);
   EXPECT_TRUE(hello.contains("revision"));
-  EXPECT_TRUE(p.frame([](const Frame& f) { return f.characters.size() == 2 && f.characters[0].links.size() == 2 && f.characters[1].links.size() == 1; }));
+  EXPECT_TRUE(p.frame(
+      [](const Frame& f) { return f.characters.size() == 2 && f.characters[0].links.size() == 2 && f.characters[1].links.size() == 1; }));
   Page later = page();  // a page that comes later gets the frame too, though nothing moves
   ASSERT_TRUE(later.ask({{"op", "hello"}})["ok"]);
   EXPECT_TRUE(later.frame([](const Frame& f) { return f.characters.size() == 2; }));
@@ -178,10 +182,12 @@ TEST_F(StudioTest, ACommandReachesEveryPageAndWhatPlays) {
 
 TEST_F(StudioTest, CommandsFetchFromTheLibrary) {
   Page p = page();
-  const json done = p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", library_motion_}, {"start", 6.5}}}});
+  const json done =
+      p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", library_motion_}, {"start", 6.5}}}});
   ASSERT_TRUE(done["ok"]) << done;
   EXPECT_EQ(done["created"].size(), 1u);
-  EXPECT_FALSE(p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", "n-0123"}, {"start", 1}}}})["ok"]);
+  EXPECT_FALSE(
+      p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", "n-0123"}, {"start", 1}}}})["ok"]);
 }
 
 TEST_F(StudioTest, WhateverIsWrongWithAMessageIsAnsweredInWords) {
@@ -201,17 +207,32 @@ TEST_F(StudioTest, WhateverIsWrongWithAMessageIsAnsweredInWords) {
   EXPECT_TRUE(p.reply(nullptr)["ok"]);
   p.socket().send_text(R"({"id":"text","op":"hello"})");
   EXPECT_TRUE(p.reply("text")["ok"]);
-  const char* bad[] = {
-      R"({})", R"({"op":7})", R"({"op":"nonsense"})", R"({"op":"command"})", R"({"op":"command","command":[]})", R"({"op":"command","command":{}})",
-      R"({"op":"command","command":{"type":"clip.set","character":"human","id":"nothing","start":1}})",
-      R"({"op":"command","command":{"type":"clip.set","character":"human","id":"k1","start":"x"}})",
-      R"({"op":"command","command":{"type":"clip.set","character":"human","id":"k1","speed":-1}})",
-      R"({"op":"mode"})", R"({"op":"mode","mode":"dream"})", R"({"op":"play","speed":"fast"})", R"({"op":"play","speed":1000})",
-      R"({"op":"step"})", R"({"op":"step","frames":7})", R"({"op":"seek"})", R"({"op":"seek","time":null})", R"({"op":"grab"})",
-      R"({"op":"grab","character":"human","link":0,"point":[0,0],"target":[0,0,0]})", R"({"op":"grab","character":"human","link":{},"point":[0,0,0],"target":[0,0,0]})",
-      R"({"op":"grab","character":"human","link":0,"point":[0,0,0],"target":[0,0,0]})",  // in Edit
-      R"({"op":"drag","target":["a",0,0]})", R"({"op":"push","character":"human","link":0,"force":[1,2,3]})", R"({"op":"save","path":7})",
-      R"({"op":"save","path":""})", R"({"op":"save","path":"/nonexistent/folder/a.ugoki"})"};
+  const char* bad[] = {R"({})",
+                       R"({"op":7})",
+                       R"({"op":"nonsense"})",
+                       R"({"op":"command"})",
+                       R"({"op":"command","command":[]})",
+                       R"({"op":"command","command":{}})",
+                       R"({"op":"command","command":{"type":"clip.set","character":"human","id":"nothing","start":1}})",
+                       R"({"op":"command","command":{"type":"clip.set","character":"human","id":"k1","start":"x"}})",
+                       R"({"op":"command","command":{"type":"clip.set","character":"human","id":"k1","speed":-1}})",
+                       R"({"op":"mode"})",
+                       R"({"op":"mode","mode":"dream"})",
+                       R"({"op":"play","speed":"fast"})",
+                       R"({"op":"play","speed":1000})",
+                       R"({"op":"step"})",
+                       R"({"op":"step","frames":7})",
+                       R"({"op":"seek"})",
+                       R"({"op":"seek","time":null})",
+                       R"({"op":"grab"})",
+                       R"({"op":"grab","character":"human","link":0,"point":[0,0],"target":[0,0,0]})",
+                       R"({"op":"grab","character":"human","link":{},"point":[0,0,0],"target":[0,0,0]})",
+                       R"({"op":"grab","character":"human","link":0,"point":[0,0,0],"target":[0,0,0]})",  // in Edit
+                       R"({"op":"drag","target":["a",0,0]})",
+                       R"({"op":"push","character":"human","link":0,"force":[1,2,3]})",
+                       R"({"op":"save","path":7})",
+                       R"({"op":"save","path":""})",
+                       R"({"op":"save","path":"/nonexistent/folder/a.ugoki"})"};
   int id = 1000;
   for (const char* text : bad) {
     json message = json::parse(text);
@@ -236,8 +257,10 @@ TEST_F(StudioTest, TransportPlaysPausesStepsAndSeeks) {
   ASSERT_TRUE(p.ask({{"op", "pause"}})["ok"]);
   const auto playing = std::ranges::count_if(p.frames, [](const Frame& f) { return (f.flags & content::frame_playing) != 0; });
   EXPECT_GE(playing, 60);  // at least 50 for each second of content
-  EXPECT_TRUE(std::ranges::any_of(p.events, [](const json& e) { return e["event"] == "transport" && e["playing"] == true && e["realtime_factor"] > 0; }));
-  EXPECT_TRUE(std::ranges::any_of(p.events, [](const json& e) { return e["event"] == "summary" && e["characters"].size() == 2 && !e["contacts"].empty(); }));
+  EXPECT_TRUE(std::ranges::any_of(
+      p.events, [](const json& e) { return e["event"] == "transport" && e["playing"] == true && e["realtime_factor"] > 0; }));
+  EXPECT_TRUE(std::ranges::any_of(
+      p.events, [](const json& e) { return e["event"] == "summary" && e["characters"].size() == 2 && !e["contacts"].empty(); }));
   ASSERT_TRUE(p.ask({{"op", "seek"}, {"time", 0.5}})["ok"]);
   EXPECT_EQ(p.frames.back().number, 30u);
   ASSERT_TRUE(p.ask({{"op", "step"}, {"frames", 1}})["ok"]);
@@ -337,7 +360,8 @@ TEST_F(StudioTest, TheLibraryIsListedFoundAndDrawn) {
 /// A person of two joints who nods for three frames.
 const char* const small_bvh =
     "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0 0\n  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
-    "  JOINT Spine\n  {\n    OFFSET 0 0.5 0\n    CHANNELS 3 Zrotation Xrotation Yrotation\n    End Site\n    {\n      OFFSET 0 0.7 0\n    }\n  }\n}\n"
+    "  JOINT Spine\n  {\n    OFFSET 0 0.5 0\n    CHANNELS 3 Zrotation Xrotation Yrotation\n    End Site\n    {\n      OFFSET 0 0.7 0\n    "
+    "}\n  }\n}\n"
     "MOTION\nFrames: 3\nFrame Time: 0.0083333\n0 1 0 0 0 0 0 0 0\n0 1 0 0 0 0 0 10 0\n0 1 0 0 0 0 0 20 0\n";
 
 TEST_F(StudioTest, DroppedFilesAreImportedOrRefusedLeavingTheLibraryAlone) {
@@ -380,7 +404,8 @@ TEST_F(StudioTest, DroppedFilesAreImportedOrRefusedLeavingTheLibraryAlone) {
   // It can be used at once.
   const json added = p.ask({{"op", "command"}, {"command", {{"type", "character.add"}, {"mechanism", motion["mechanism"]}}}});
   ASSERT_TRUE(added["ok"]) << added;
-  const json clip = p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", added["created"][0]}, {"motion", motion["id"]}, {"start", 0}}}});
+  const json clip = p.ask(
+      {{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", added["created"][0]}, {"motion", motion["id"]}, {"start", 0}}}});
   EXPECT_TRUE(clip["ok"]) << clip;
 }
 

@@ -5,8 +5,8 @@
 namespace ugoki::body {
 namespace {
 
-constexpr std::array<const char*, 16> part_names = {"",      "pelvis", "trunk", "neck",     "head",      "hip",     "thigh", "shank",
-                                                    "foot",  "toes",   "shoulder", "upper arm", "forearm", "hand",  "fingers", "thumb"};
+constexpr std::array<const char*, 16> part_names = {"",     "pelvis", "trunk",    "neck",      "head",    "hip",  "thigh",   "shank",
+                                                    "foot", "toes",   "shoulder", "upper arm", "forearm", "hand", "fingers", "thumb"};
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -219,7 +219,8 @@ class Finder {
       return norm(a_.p[at(a_.legs[at(side)].end)] - a_.p[at(a_.legs[at(side)].distal)]) +
              norm(a_.p[at(a_.legs[at(side)].distal)] - a_.p[at(a_.legs[at(side)].proximal)]);
     };
-    if (std::fabs(leg_length(0) - leg_length(1)) > 0.15 * (leg_length(0) + leg_length(1))) return "its legs differ in length by more than a third.";
+    if (std::fabs(leg_length(0) - leg_length(1)) > 0.15 * (leg_length(0) + leg_length(1)))
+      return "its legs differ in length by more than a third.";
     if (leg_length(0) < 0.25 * extent) return "its legs are too short.";
     return {};
   }
@@ -329,8 +330,10 @@ std::string label_of(const Anatomy& anatomy, int joint) {
   int rank = 0;
   for (int i = 0; i < joint; ++i)
     rank += anatomy.places[at(i)].part == place.part && anatomy.places[at(i)].side == place.side && place.part != Part::trunk ? 1 : 0;
-  if (place.part == Part::neck && rank > 0) text = "neck upper";
-  else if (rank > 0) text += " " + std::to_string(rank + 1);
+  if (place.part == Part::neck && rank > 0)
+    text = "neck upper";
+  else if (rank > 0)
+    text += " " + std::to_string(rank + 1);
   if (place.side != 0) text += place.side > 0 ? " left" : " right";
   return text;
 }

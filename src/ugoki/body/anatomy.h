@@ -28,12 +28,12 @@ struct Anatomy {
   Mat3 R_WA = Mat3::identity();  ///< anatomical frame at rest: x forward, y left, z up
   std::vector<Vec3> p;           ///< [joints] m, rest position in A's axes
   std::vector<std::vector<int>> children;
-  std::vector<Place> places;     ///< [joints]
-  std::vector<int> trunk;        ///< joints of the trunk from the pelvis up, pelvis first
-  std::vector<int> neck;         ///< neck joints upwards and the head last
+  std::vector<Place> places;       ///< [joints]
+  std::vector<int> trunk;          ///< joints of the trunk from the pelvis up, pelvis first
+  std::vector<int> neck;           ///< neck joints upwards and the head last
   std::array<Limb, 2> legs, arms;  ///< left, right
-  std::vector<int> mirror;       ///< [joints] the same joint on the other side; -1 for those in the middle or without one
-  std::vector<Vec3> bone;        ///< [joints] m, from the joint along its bone to the next joint or end, in A's axes
+  std::vector<int> mirror;         ///< [joints] the same joint on the other side; -1 for those in the middle or without one
+  std::vector<Vec3> bone;          ///< [joints] m, from the joint along its bone to the next joint or end, in A's axes
 
   /// Bone of joint i averaged with its mirrored partner: the same on both sides but for the sign of y.
   [[nodiscard]] Vec3 symmetric_bone(int i) const;

@@ -14,9 +14,9 @@ namespace ugoki::body {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr double nominal_ball = 0.019;    // height of the ball's joint over the ground, of the body's height
-constexpr double foot_length = 0.152;     // of the height (Drillis and Contini 1966, in Winter 2009, fig. 4.1)
-constexpr double leg_share = 0.245 + 0.246; // thigh and shank, of the height (the same)
+constexpr double nominal_ball = 0.019;       // height of the ball's joint over the ground, of the body's height
+constexpr double foot_length = 0.152;        // of the height (Drillis and Contini 1966, in Winter 2009, fig. 4.1)
+constexpr double leg_share = 0.245 + 0.246;  // thigh and shank, of the height (the same)
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -32,7 +32,8 @@ Error check_input(const MeasuredMotion& m) {
     bool finite = is_finite(j.offset);
     for (const Vec3& e : j.end_sites) finite = finite && is_finite(e);
     if (!finite) errors.add(ErrorCode::range, place + ", joint " + j.name, "its offset is not finite.", "Correct the file.");
-    if (j.parent >= static_cast<int>(i)) errors.add(ErrorCode::structure, place + ", joint " + j.name, "its parent does not come before it.", "Correct the order.");
+    if (j.parent >= static_cast<int>(i))
+      errors.add(ErrorCode::structure, place + ", joint " + j.name, "its parent does not come before it.", "Correct the order.");
   }
   for (const Vec3& t : m.translations)
     if (!is_finite(t)) {
@@ -70,8 +71,10 @@ class Maker {
     body_.level_floor = o_.level_floor;
     name_links();
     for (const SkeletonJoint& j : m_.skeleton.joints) body_.joint_names.push_back(j.name);
-    if (anatomy_.human) human();
-    else generic();
+    if (anatomy_.human)
+      human();
+    else
+      generic();
     join();
     auto made = Mechanism::make(spec_);
     if (!made) return fail(std::move(made.error()));
@@ -124,7 +127,8 @@ class Maker {
     build.height = o_.height > 0 ? o_.height : legs / leg_share;
     body_.height = build.height;
     say(o_.height > 0 ? "Height " + to_fixed(build.height, 3) + " m, as given."
-                      : "Height " + to_fixed(build.height, 3) + " m, from legs of " + to_fixed(legs, 3) + " m (hip to ankle are 49.1 % of the height).");
+                      : "Height " + to_fixed(build.height, 3) + " m, from legs of " + to_fixed(legs, 3) +
+                            " m (hip to ankle are 49.1 % of the height).");
     const double bmi = m_.skeleton.mass / (build.height * build.height);
     if (o_.mass > 0) {
       build.mass = o_.mass;
@@ -134,7 +138,8 @@ class Maker {
       say("Mass " + to_fixed(build.mass, 1) + " kg, from the file.");
     } else {
       build.mass = 22.5 * build.height * build.height;
-      say("Mass " + to_fixed(build.mass, 1) + " kg, 22.5 kg/m^2 times height squared" + (m_.skeleton.mass > 0 ? " (the file's mass is not plausible)." : "."));
+      say("Mass " + to_fixed(build.mass, 1) + " kg, 22.5 kg/m^2 times height squared" +
+          (m_.skeleton.mass > 0 ? " (the file's mass is not plausible)." : "."));
     }
     build.breadth = std::sqrt((build.mass / build.height) / (70 / 1.75)) / (build.height / 1.75);
   }
@@ -197,9 +202,10 @@ class Maker {
     if (!o_.level_floor) return;
     const Pose X = calc_floor_pose(body_, m_);
     say("The floor was found at " + to_fixed(-X.p.z * 100, 1) + " cm in the measured data" +
-        (fit.tilt > 1e-9 ? ", tilted by " + to_fixed(fit.tilt / degree, 2) + " degrees; the motion is levelled and shifted onto z = 0." : "; the motion is shifted onto z = 0."));
-    say("Soles: " + to_fixed(1000 * body_.soles[0].thickness, 0) + " mm (left) and " + to_fixed(1000 * body_.soles[1].thickness, 0) + " mm (right) under the ball, heels " +
-        to_fixed(1000 * build.soles[0].heel, 0) + " mm behind the ankles.");
+        (fit.tilt > 1e-9 ? ", tilted by " + to_fixed(fit.tilt / degree, 2) + " degrees; the motion is levelled and shifted onto z = 0."
+                         : "; the motion is shifted onto z = 0."));
+    say("Soles: " + to_fixed(1000 * body_.soles[0].thickness, 0) + " mm (left) and " + to_fixed(1000 * body_.soles[1].thickness, 0) +
+        " mm (right) under the ball, heels " + to_fixed(1000 * build.soles[0].heel, 0) + " mm behind the ankles.");
   }
 
   /// A movable link with nothing behind it that has mass gets a crumb, so that its equation can be solved.
@@ -256,7 +262,8 @@ class Maker {
     if (o_.mass > 0) {
       double sum = 0;
       for (const LinkSpec& l : spec_.links) sum += l.inertia.mass;
-      for (LinkSpec& l : spec_.links) l.inertia = {l.inertia.mass * o_.mass / sum, l.inertia.h * (o_.mass / sum), l.inertia.I * (o_.mass / sum)};
+      for (LinkSpec& l : spec_.links)
+        l.inertia = {l.inertia.mass * o_.mass / sum, l.inertia.h * (o_.mass / sum), l.inertia.I * (o_.mass / sum)};
     }
   }
 
@@ -349,7 +356,9 @@ Result<Body> make_body(const MeasuredMotion& motion, const BodyOptions& options)
   rest.translations.erase(rest.translations.begin(), rest.translations.begin() + joints);
   rest.rotations.erase(rest.rotations.begin(), rest.rotations.begin() + joints);
   Result<Body> body = Maker(rest, options).run();
-  if (body) body->report.push_back("The first frame is a calibration pose, from which the motion jumps; it is replaced by what leads into the second frame.");
+  if (body)
+    body->report.push_back(
+        "The first frame is a calibration pose, from which the motion jumps; it is replaced by what leads into the second frame.");
   return body;
 }
 

@@ -15,11 +15,11 @@ namespace ugoki::body {
 enum class Sex { mean, female, male };
 
 struct BodyOptions {
-  double height = 0;         ///< m; 0: estimated from the skeleton
-  double mass = 0;           ///< kg; 0: the file's if plausible, otherwise 22.5 kg/m^2 times height squared
-  Sex sex = Sex::mean;       ///< which of de Leva's tables; mean: the average of both
-  bool keep_unmoved = false; ///< true: joints that have freedoms but do not move in this motion stay movable
-  bool level_floor = true;   ///< false: the floor of the measured data is z = 0 and level; nothing is shifted
+  double height = 0;          ///< m; 0: estimated from the skeleton
+  double mass = 0;            ///< kg; 0: the file's if plausible, otherwise 22.5 kg/m^2 times height squared
+  Sex sex = Sex::mean;        ///< which of de Leva's tables; mean: the average of both
+  bool keep_unmoved = false;  ///< true: joints that have freedoms but do not move in this motion stay movable
+  bool level_floor = true;    ///< false: the floor of the measured data is z = 0 and level; nothing is shifted
 };
 
 /// A foot on which the body stands.
@@ -33,14 +33,14 @@ struct Sole {
 /// A mechanism made from a skeleton, and what is needed to bring measured motion onto it.
 struct Body {
   MechanismPtr mechanism;
-  std::vector<int> link_of_joint;      ///< [joints of the skeleton] index of the link
+  std::vector<int> link_of_joint;        ///< [joints of the skeleton] index of the link
   std::vector<std::string> joint_names;  ///< [joints of the skeleton]
-  double height = 0;  ///< m, of the standing person
-  double mass = 0;    ///< kg, = mechanism->mass()
-  bool human = false; ///< false: no human anatomy was recognised; capsules of density 1000 along the bones
+  double height = 0;                     ///< m, of the standing person
+  double mass = 0;                       ///< kg, = mechanism->mass()
+  bool human = false;                    ///< false: no human anatomy was recognised; capsules of density 1000 along the bones
   bool level_floor = true;
   std::vector<Sole> soles;
-  std::vector<std::string> report;     ///< sentences for people: what was recognised, estimated, widened, shifted
+  std::vector<std::string> report;  ///< sentences for people: what was recognised, estimated, widened, shifted
 };
 
 /// The body of a measured skeleton. Links are the skeleton's joints, with the same names; a link's frame is parallel to
@@ -56,8 +56,8 @@ struct Body {
 
 /// The measured motion in the coordinates of the body's mechanism, moved by calc_floor_pose so that the floor is z = 0.
 /// A calibration pose is replaced by what
-/// leads into the second frame. Every joint's position is that of the measured motion to 1e-6 m for the motion the body was made of; for others see
-/// calc_position_error. The skeleton's joints must be those of the body. Ground contacts are labelled.
+/// leads into the second frame. Every joint's position is that of the measured motion to 1e-6 m for the motion the body was made of; for
+/// others see calc_position_error. The skeleton's joints must be those of the body. Ground contacts are labelled.
 [[nodiscard]] Motion to_motion(const Body& body, const MeasuredMotion& motion);
 
 /// Pose of the measured motion's world in ours: lifts the floor found under the standing feet to z = 0, and levels it

@@ -12,13 +12,13 @@ namespace ugoki::body {
 /// The sole of one foot in its link's frames at rest (anatomical axes).
 struct SoleShape {
   int foot = -1, toes = -1;
-  Vec3 foot_up, foot_forward;   ///< unit, in the foot's frame: ground normal, direction to the toes along the ground
-  Vec3 toes_up, toes_forward;   ///< the same in the toes' frame
-  Vec3 ball;                    ///< m, from the ankle
-  double tip = 0;               ///< m, from the ball to the tip of the toes along the ground
-  double heel = 0;              ///< m, from the ankle back to the heel along the ground
-  double thickness = 0;         ///< m, from the ball to the ground
-  double ankle = 0;             ///< m, from the ankle to the ground
+  Vec3 foot_up, foot_forward;  ///< unit, in the foot's frame: ground normal, direction to the toes along the ground
+  Vec3 toes_up, toes_forward;  ///< the same in the toes' frame
+  Vec3 ball;                   ///< m, from the ankle
+  double tip = 0;              ///< m, from the ball to the tip of the toes along the ground
+  double heel = 0;             ///< m, from the ankle back to the heel along the ground
+  double thickness = 0;        ///< m, from the ball to the ground
+  double ankle = 0;            ///< m, from the ankle to the ground
 };
 
 /// What the parts of a human body are built from. All in anatomical axes.

@@ -10,9 +10,9 @@ namespace ugoki::body {
 
 /// Where one foot stands flat and still.
 struct Stance {
-  std::vector<int> frames;      ///< frames in which it does
-  double ball_height = 0;       ///< m, median height of the ball along the floor's normal
-  Vec3 foot_up, toes_up;        ///< the floor's normal in the foot's and in the toes' frame, median over these frames
+  std::vector<int> frames;  ///< frames in which it does
+  double ball_height = 0;   ///< m, median height of the ball along the floor's normal
+  Vec3 foot_up, toes_up;    ///< the floor's normal in the foot's and in the toes' frame, median over these frames
 };
 
 struct FloorFit {

@@ -8,20 +8,18 @@
 namespace ugoki::body {
 namespace {
 
-constexpr double neck_share = 0.22;      // of the mass of head and neck
-constexpr double shoulder_share = 0.008; // of the body's mass, taken from the upper trunk for each shoulder link
-constexpr double toes_share = 0.17;      // of the foot's mass
-constexpr double thumb_share = 0.08;     // of the hand's mass
+constexpr double neck_share = 0.22;       // of the mass of head and neck
+constexpr double shoulder_share = 0.008;  // of the body's mass, taken from the upper trunk for each shoulder link
+constexpr double toes_share = 0.17;       // of the foot's mass
+constexpr double thumb_share = 0.08;      // of the hand's mass
 constexpr double palm_share = 0.62;
-constexpr double hand_length = 0.108;    // of the height, wrist to fingertip (Drillis and Contini 1966)
-constexpr double least_moment = 3e-5;    // kg m^2 about each axis, for 70 kg: smaller links would only harm the solution's accuracy
+constexpr double hand_length = 0.108;  // of the height, wrist to fingertip (Drillis and Contini 1966)
+constexpr double least_moment = 3e-5;  // kg m^2 about each axis, for 70 kg: smaller links would only harm the solution's accuracy
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Vec3 mirrored(const Vec3& v) { return {v.x, -v.y, v.z}; }
-Inertia mirrored(const Inertia& i) {
-  return {i.mass, mirrored(i.h), {i.I.xx, i.I.yy, i.I.zz, -i.I.xy, i.I.xz, -i.I.yz}};
-}
+Inertia mirrored(const Inertia& i) { return {i.mass, mirrored(i.h), {i.I.xx, i.I.yy, i.I.zz, -i.I.xy, i.I.xz, -i.I.yz}}; }
 
 /// Body of revolution about the unit vector u: second radii of gyration squared across and along it.
 Inertia round_inertia(double mass, const Vec3& centre, const Vec3& u, double across2, double along2) {
@@ -113,7 +111,8 @@ class Distributor {
         const Vec3 own = {a_.p[at(a_.trunk[k])].x, a_.p[at(a_.trunk[k])].y, a_.p[at(a_.trunk[k])].z};
         Vec3 offset = centre - own;
         offset.y = 0;
-        put(a_.trunk[k], Inertia::from_centre(mass, offset, Sym3{mass * (b2 / 4 + h2 / 12), mass * (a2 / 4 + h2 / 12), mass * (a2 + b2) / 4, 0, 0, 0}));
+        put(a_.trunk[k],
+            Inertia::from_centre(mass, offset, Sym3{mass * (b2 / 4 + h2 / 12), mass * (a2 / 4 + h2 / 12), mass * (a2 + b2) / 4, 0, 0, 0}));
       }
     }
   }
@@ -211,7 +210,8 @@ class Distributor {
     const double centre = (t_.foot.centre * whole - share * (rear + 0.5 * s.tip)) / (1 - share);
     const double width = 0.045 * b_.height, height = 0.75 * s.ankle;
     const Vec3 c = s.foot_forward * (centre - s.heel) - s.foot_up * (0.55 * s.ankle);
-    put(s.foot, box_inertia(t_.foot.mass * (1 - share), c, {0.85 * (toes ? rear : whole), width, height}, frame(s.foot_forward, s.foot_up)));
+    put(s.foot,
+        box_inertia(t_.foot.mass * (1 - share), c, {0.85 * (toes ? rear : whole), width, height}, frame(s.foot_forward, s.foot_up)));
     if (toes)
       put(s.toes, box_inertia(t_.foot.mass * share, s.toes_forward * (0.45 * s.tip) - s.toes_up * (0.4 * s.thickness),
                               {s.tip, 1.1 * width, s.thickness}, frame(s.toes_forward, s.toes_up)));
@@ -250,8 +250,8 @@ class Distributor {
     for (std::size_t k = palm + 1; k < joints.size(); ++k) {
       const Vec3 f = a_.symmetric_bone(joints[k]);
       const double fl = std::max(norm(f), 0.45 * length / static_cast<double>(finger_count));
-      put(joints[k], round_inertia((left_over - palm_mass) / static_cast<double>(finger_count), normalized(f, u) * (0.5 * fl), normalized(f, u),
-                                   fl * fl / 12 + 0.0001, 0.0003));
+      put(joints[k], round_inertia((left_over - palm_mass) / static_cast<double>(finger_count), normalized(f, u) * (0.5 * fl),
+                                   normalized(f, u), fl * fl / 12 + 0.0001, 0.0003));
     }
   }
 

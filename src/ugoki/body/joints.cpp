@@ -9,9 +9,9 @@ namespace ugoki::body {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr double unmoved = 0.01 * degree;   // below this a joint counts as not moved
-constexpr double position_tolerance = 2e-7; // m; what one joint may add to the error of the positions that hang on it
-constexpr double hinge_tolerance = 8e-7;    // m; the same for a hinge and its children only
+constexpr double unmoved = 0.01 * degree;    // below this a joint counts as not moved
+constexpr double position_tolerance = 2e-7;  // m; what one joint may add to the error of the positions that hang on it
+constexpr double hinge_tolerance = 8e-7;     // m; the same for a hinge and its children only
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 

@@ -13,7 +13,8 @@ namespace ugoki::body {
 /// for roots. Limits and passive properties are not set.
 /// @param strict a hinge must keep all positions below it; otherwise those of its children, because joints further on are
 ///               turned so as to undo what the hinge cannot do
-[[nodiscard]] Joint fit_joint(const MeasuredMotion& motion, int i, const BodyOptions& options, bool strict, std::vector<std::string>& report);
+[[nodiscard]] Joint fit_joint(const MeasuredMotion& motion, int i, const BodyOptions& options, bool strict,
+                              std::vector<std::string>& report);
 
 /// Coordinates of a joint that turns its link by R_PB against the parent link. For universal joints and hinges: the
 /// nearest turn. @param previous [nq] coordinates of the frame before (or nullptr), to which angles and signs are kept close

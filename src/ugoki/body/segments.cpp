@@ -31,9 +31,12 @@ constexpr SegmentTable female = {
 };
 
 Segment average(const Segment& a, const Segment& b) {
-  return {0.5 * (a.mass + b.mass),           0.5 * (a.centre + b.centre),
-          0.5 * (a.sagittal + b.sagittal),   0.5 * (a.transverse + b.transverse),
-          0.5 * (a.longitudinal + b.longitudinal), 0.5 * (a.length + b.length)};
+  return {0.5 * (a.mass + b.mass),
+          0.5 * (a.centre + b.centre),
+          0.5 * (a.sagittal + b.sagittal),
+          0.5 * (a.transverse + b.transverse),
+          0.5 * (a.longitudinal + b.longitudinal),
+          0.5 * (a.length + b.length)};
 }
 
 }  // namespace
@@ -41,11 +44,16 @@ Segment average(const Segment& a, const Segment& b) {
 SegmentTable segment_table(Sex sex) {
   if (sex == Sex::male) return male;
   if (sex == Sex::female) return female;
-  return {average(male.head, female.head),           average(male.upper_trunk, female.upper_trunk),
-          average(male.middle_trunk, female.middle_trunk), average(male.lower_trunk, female.lower_trunk),
-          average(male.upper_arm, female.upper_arm), average(male.forearm, female.forearm),
-          average(male.hand, female.hand),           average(male.thigh, female.thigh),
-          average(male.shank, female.shank),         average(male.foot, female.foot)};
+  return {average(male.head, female.head),
+          average(male.upper_trunk, female.upper_trunk),
+          average(male.middle_trunk, female.middle_trunk),
+          average(male.lower_trunk, female.lower_trunk),
+          average(male.upper_arm, female.upper_arm),
+          average(male.forearm, female.forearm),
+          average(male.hand, female.hand),
+          average(male.thigh, female.thigh),
+          average(male.shank, female.shank),
+          average(male.foot, female.foot)};
 }
 
 }  // namespace ugoki::body

@@ -11,12 +11,12 @@ namespace ugoki::body {
 /// upper arm shoulder-elbow, forearm elbow-wrist, hand wrist-third knuckle, head vertex-cervicale, trunk parts
 /// cervicale-xiphion, xiphion-omphalion, omphalion-mid-hip.
 struct Segment {
-  double mass;       ///< share of the body's mass
-  double centre;     ///< centre of mass from the first end point, in lengths
-  double sagittal;   ///< radius of gyration about the front-to-back axis through the centre, in lengths
-  double transverse; ///< about the side-to-side axis
+  double mass;        ///< share of the body's mass
+  double centre;      ///< centre of mass from the first end point, in lengths
+  double sagittal;    ///< radius of gyration about the front-to-back axis through the centre, in lengths
+  double transverse;  ///< about the side-to-side axis
   double longitudinal;
-  double length;     ///< share of the body's height
+  double length;  ///< share of the body's height
 };
 
 struct SegmentTable {

@@ -106,14 +106,17 @@ class Modeller {
     // Upright capsules fill the grooves between them.
     const double bottom = low - 0.01 * h_, middle_level = 0.5 * (low + top);
     for (const double side : {-1.0, 0.0, 1.0}) {
-      const Vec3 from = middle(bottom) + Vec3{0, side * half_width(bottom) * w_, 0}, to = middle(top) + Vec3{0, side * half_width(top) * w_, 0};
+      const Vec3 from = middle(bottom) + Vec3{0, side * half_width(bottom) * w_, 0},
+                 to = middle(top) + Vec3{0, side * half_width(top) * w_, 0};
       out_.push_back(decoration(Shape::capsule(0.985 * depth(middle_level) * w_, from - own, to - own)));
     }
     if (chest) {  // the slope of the shoulders
       const Vec3 neck = a_.p[at(a_.neck.front())];
       for (const double s : {1.0, -1.0}) {
-        const Vec3 end = Vec3{shoulder.x, shoulder.y + s * 0.72 * std::fabs(a_.p[at(a_.arms[0].proximal)].y - shoulder.y), shoulder.z - 0.005 * h_};
-        out_.push_back(decoration(Shape::capsule(0.052 * w_, Vec3{middle(z.back()).x, neck.y + s * 0.02 * w_, shoulder.z + 0.018 * h_} - own, end - own)));
+        const Vec3 end =
+            Vec3{shoulder.x, shoulder.y + s * 0.72 * std::fabs(a_.p[at(a_.arms[0].proximal)].y - shoulder.y), shoulder.z - 0.005 * h_};
+        out_.push_back(decoration(
+            Shape::capsule(0.052 * w_, Vec3{middle(z.back()).x, neck.y + s * 0.02 * w_, shoulder.z + 0.018 * h_} - own, end - own)));
       }
     }
   }
@@ -150,11 +153,13 @@ class Modeller {
     const Vec3 side = normalized(cross(u, Vec3{0, 0, 1}), {1, 0, 0});
     if (palm) {
       for (const double s : {1.0, -1.0})
-        out_.push_back(Shape::capsule(0.017 * w_, u * (0.012 * h_) + side * (s * 0.012 * w_), u * (0.55 * std::max(end, 0.6 * length)) + side * (s * 0.021 * w_)));
+        out_.push_back(Shape::capsule(0.017 * w_, u * (0.012 * h_) + side * (s * 0.012 * w_),
+                                      u * (0.55 * std::max(end, 0.6 * length)) + side * (s * 0.021 * w_)));
       if (last) out_.push_back(Shape::capsule(0.015 * w_, u * (0.4 * end), u * (end - 0.015 * w_)));
     } else {
       for (const double s : {1.0, -1.0})
-        out_.push_back(Shape::capsule(0.0125 * w_, side * (s * 0.016 * w_), u * std::max(0.01, end - 0.0125 * w_) + side * (s * 0.012 * w_)));
+        out_.push_back(
+            Shape::capsule(0.0125 * w_, side * (s * 0.016 * w_), u * std::max(0.01, end - 0.0125 * w_) + side * (s * 0.012 * w_)));
     }
   }
   [[nodiscard]] int wrist() const {
@@ -188,16 +193,19 @@ class Modeller {
       const Vec3 heel{-s->heel + heel_r, 0, ground + heel_r}, sideways{0, 0.016 * w_, 0};
       out_.push_back(Shape::capsule(heel_r, R * (heel - sideways), R * (heel + sideways)));
       for (const double e : {1.0, -1.0})
-        out_.push_back(decoration(Shape::capsule(r, R * Vec3{-s->heel + heel_r, e * 0.004 * w_, ground + r}, R * Vec3{front - 0.3 * r, across + e * 0.018 * w_, ground + r})));
+        out_.push_back(decoration(Shape::capsule(r, R * Vec3{-s->heel + heel_r, e * 0.004 * w_, ground + r},
+                                                 R * Vec3{front - 0.3 * r, across + e * 0.018 * w_, ground + r})));
       out_.push_back(decoration(Shape::capsule(0.034 * w_, R * (heel + Vec3{0.004 * h_, 0, 0}), R * Vec3{0.008 * h_, 0, 0})));
-      out_.push_back(decoration(Shape::capsule(0.030 * w_, R * Vec3{0.012 * h_, 0, -0.01 * h_}, R * Vec3{front - 0.02 * h_, 0.8 * across, ground + 0.032 * w_})));
+      out_.push_back(decoration(
+          Shape::capsule(0.030 * w_, R * Vec3{0.012 * h_, 0, -0.01 * h_}, R * Vec3{front - 0.02 * h_, 0.8 * across, ground + 0.032 * w_})));
       return;
     }
     // Toes bear no load: measured toe angles are mostly noise, and rigid toes that follow them lift the foot off the floor.
     const Mat3 R = frame(s->toes_forward, s->toes_up);
     const double t = std::min(0.8 * r, 0.024 * h_);
     for (const double e : {1.0, 0.0, -1.0})
-      out_.push_back(decoration(Shape::capsule(t, R * Vec3{0, e * 0.020 * w_, -s->thickness + t}, R * Vec3{s->tip - t - 0.006 * h_ * e * e, e * 0.018 * w_, -s->thickness + t})));
+      out_.push_back(decoration(Shape::capsule(t, R * Vec3{0, e * 0.020 * w_, -s->thickness + t},
+                                               R * Vec3{s->tip - t - 0.006 * h_ * e * e, e * 0.018 * w_, -s->thickness + t})));
   }
 
   const Build& b_;

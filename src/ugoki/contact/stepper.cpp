@@ -182,7 +182,9 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
         for (int c = 0; c < nv; ++c) rate += direction[c] * x.free_v[static_cast<std::size_t>(link.v_index + c)];
         if (room > 0 && room + dt * rate > 0) continue;
         const double wanted = room > 0 ? -room / dt : std::min(-room / (5 * options_.recovery_time), 1.0);
-        add_row(RowKind::limit, link, direction, wanted, 0, limit_key | (static_cast<std::uint64_t>(s) << 40) | (static_cast<std::uint64_t>(at) << 4) | static_cast<std::uint64_t>(side));
+        add_row(
+            RowKind::limit, link, direction, wanted, 0,
+            limit_key | (static_cast<std::uint64_t>(s) << 40) | (static_cast<std::uint64_t>(at) << 4) | static_cast<std::uint64_t>(side));
       }
     }
   }

@@ -22,21 +22,21 @@
 namespace ugoki::contact {
 
 struct StepperOptions {
-  Vec3 gravity{0, 0, -9.81};     ///< m/s^2
-  int iterations = 60;           ///< greatest number of Gauss-Seidel sweeps
-  double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes more
-  double slop = 5e-4;            ///< m of penetration that is left alone, so that resting contacts stay
-  double recovery_time = 0.02;   ///< s in which deeper penetration is pushed out
-  double recovery_speed = 0.6;   ///< m/s, greatest speed of that
-  double impact_speed = 0.25;    ///< m/s: slower approaches do not bounce
-  double softness = 1e-3;        ///< share of a row's own inverse inertia added to it, so that redundant contacts share the load
+  Vec3 gravity{0, 0, -9.81};    ///< m/s^2
+  int iterations = 60;          ///< greatest number of Gauss-Seidel sweeps
+  double tolerance = 1e-7;      ///< m/s: sweeps end when no velocity changes more
+  double slop = 5e-4;           ///< m of penetration that is left alone, so that resting contacts stay
+  double recovery_time = 0.02;  ///< s in which deeper penetration is pushed out
+  double recovery_speed = 0.6;  ///< m/s, greatest speed of that
+  double impact_speed = 0.25;   ///< m/s: slower approaches do not bounce
+  double softness = 1e-3;       ///< share of a row's own inverse inertia added to it, so that redundant contacts share the load
 };
 
 /// One system's part in a step. Spans of the caller's memory.
 struct StepSystem {
-  std::span<double> q, v;             ///< in, out
-  std::span<const double> tau;        ///< [nv] drive forces
-  std::span<const Vec6> external;     ///< [links] wrenches about the world origin, or empty
+  std::span<double> q, v;                  ///< in, out
+  std::span<const double> tau;             ///< [nv] drive forces
+  std::span<const Vec6> external;          ///< [links] wrenches about the world origin, or empty
   std::span<const double> servo_gain;      ///< [nv] N m s/rad: the drive adds gain (servo_velocity - v'), taken implicitly, so
   std::span<const double> servo_velocity;  ///< [nv] that any gain is stable; both empty for none
 };
@@ -51,9 +51,9 @@ struct StepReport {
   StepStatus status = StepStatus::ok;
   int system = -1, freedom = -1;
   int sweeps = 0;
-  double residual = 0;   ///< m/s: change of velocity in the last sweep
-  int contacts = 0;      ///< contacts that took part
-  int limits = 0;        ///< joint limits that took part
+  double residual = 0;  ///< m/s: change of velocity in the last sweep
+  int contacts = 0;     ///< contacts that took part
+  int limits = 0;       ///< joint limits that took part
 };
 
 class Stepper {
@@ -92,8 +92,8 @@ class Stepper {
   struct Block {
     RowKind kind;
     int row, rows;
-    int first_segment, segments;   // each segment holds `rows` vectors of its length
-    int contact;                   // index into the step's contacts
+    int first_segment, segments;  // each segment holds `rows` vectors of its length
+    int contact;                  // index into the step's contacts
     double mu, bound;
     std::uint64_t key;
   };
@@ -112,18 +112,18 @@ class Stepper {
   StepperOptions options_;
   std::vector<dynamics::Workspace> workspaces_;
   struct SystemScratch {
-    std::vector<double> extra;        // [nv] implicit damping and stiffness
-    std::vector<double> free_v;       // [nv] velocity without impulses
+    std::vector<double> extra;           // [nv] implicit damping and stiffness
+    std::vector<double> free_v;          // [nv] velocity without impulses
     std::vector<double> root_D_inverse;  // [nv]
-    std::vector<double> impulse;      // [nv]
-    std::vector<double> displacement; // [nv]
-    std::vector<int> limited;         // links with a limited freedom
-    std::vector<int> rubbed;          // freedoms with dry friction
+    std::vector<double> impulse;         // [nv]
+    std::vector<double> displacement;    // [nv]
+    std::vector<int> limited;            // links with a limited freedom
+    std::vector<int> rubbed;             // freedoms with dry friction
     bool springs = false;
   };
   std::vector<SystemScratch> scratch_;
   std::vector<Segment> segments_;
-  std::vector<double> data_;      // rows of the segments
+  std::vector<double> data_;  // rows of the segments
   std::vector<Block> blocks_;
   std::vector<double> target_;    // [rows] u of the free motion minus target
   std::vector<double> diagonal_;  // [rows] softness
@@ -131,7 +131,7 @@ class Stepper {
   std::vector<double> p_;         // [rows] impulses
   std::vector<Vec3> point_rows_;
   std::vector<Vec3> forces_;
-  std::vector<Vec3> frames_;      // [contacts * 3] n, t1, t2
+  std::vector<Vec3> frames_;  // [contacts * 3] n, t1, t2
   std::vector<Warm> warm_;
 };
 

@@ -16,8 +16,8 @@ namespace ugoki::control {
 
 /// A contact that can bear load: where, its normal (pointing at the figure) and its friction.
 struct Support {
-  Vec3 p;        ///< m, world
-  Vec3 n;        ///< unit, world
+  Vec3 p;  ///< m, world
+  Vec3 n;  ///< unit, world
   double friction = 0;
 };
 
@@ -38,7 +38,7 @@ class ContactForceProblem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  std::vector<Vec6> columns_;   // 4 for each support, moments divided by the lever
+  std::vector<Vec6> columns_;  // 4 for each support, moments divided by the lever
   std::vector<Vec3> edges_;
   int iterations_ = 0;
 };

@@ -16,7 +16,8 @@ double lowest_point(const Shape& s, const Pose& X_WB) {
   switch (s.type) {
     case ShapeType::sphere: return X.p.z - s.radius;
     case ShapeType::capsule: return X.p.z - s.radius - std::fabs(X.R.zz) * s.half_length;
-    case ShapeType::box: return X.p.z - std::fabs(X.R.zx) * s.half_extents.x - std::fabs(X.R.zy) * s.half_extents.y - std::fabs(X.R.zz) * s.half_extents.z;
+    case ShapeType::box:
+      return X.p.z - std::fabs(X.R.zx) * s.half_extents.x - std::fabs(X.R.zy) * s.half_extents.y - std::fabs(X.R.zz) * s.half_extents.z;
   }
   return X.p.z;
 }
@@ -73,8 +74,8 @@ void MotionControl::find_supports(const ControlInput& in) {
   }
 }
 
-ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau,
-                                  std::span<double> servo_gain, std::span<double> servo_velocity) {
+ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
+                                  std::span<double> servo_velocity) {
   const Mechanism& m = *mechanism_;
   dynamics::Workspace& ws = workspace_;
   const std::size_t n = wanted_.size();
@@ -112,7 +113,8 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
     out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
-      for (const int f : dynamics::chain_of_link(ws, support_links_[c])) tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
+      for (const int f : dynamics::chain_of_link(ws, support_links_[c]))
+        tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }
     // Feet that have landed elsewhere than the reference's carry the path along: the load tells which foot counts.
     Vec3 shift{state.shift[0], state.shift[1], state.shift[2]}, weighted;

@@ -20,44 +20,44 @@
 namespace ugoki::control {
 
 struct ControlOptions {
-  double tracking = 1;          ///< factor on the joints' gains, 0 ... 2
-  double balance = 1;           ///< factor on the root's gains, 0 ... 2
-  double joint_frequency = 25;  ///< rad/s: how fast a free joint's error decays (critically damped)
-  double root_frequency = 17;   ///< rad/s: the same for the root and the joints between it and a foot that stands
-  double joint_hold = 0.2;      ///< s/rad: servo gain of a joint that bears load, times its strength^2 / (weight * lever)
-  double assist_limit = 0.5;    ///< body weights: cap of the root assist (moments count at the lever of the root's height)
-  double patience = 0.25;       ///< s: time constant with which the wanted assist is averaged before the figure lets go
+  double tracking = 1;            ///< factor on the joints' gains, 0 ... 2
+  double balance = 1;             ///< factor on the root's gains, 0 ... 2
+  double joint_frequency = 25;    ///< rad/s: how fast a free joint's error decays (critically damped)
+  double root_frequency = 17;     ///< rad/s: the same for the root and the joints between it and a foot that stands
+  double joint_hold = 0.2;        ///< s/rad: servo gain of a joint that bears load, times its strength^2 / (weight * lever)
+  double assist_limit = 0.5;      ///< body weights: cap of the root assist (moments count at the lever of the root's height)
+  double patience = 0.25;         ///< s: time constant with which the wanted assist is averaged before the figure lets go
   double contact_margin = 0.005;  ///< m: contacts nearer than this can bear load
-  double planted_height = 0.04; ///< m above the present contact: a reference point higher than this is not planted
-  double planted_speed = 0.25;  ///< m/s upwards: a reference point faster than this is not planted
-  double sliding_speed = 0.8;   ///< m/s along the floor: a reference point faster than this is not planted
-  double shift_time = 0.12;     ///< s: how fast the path follows feet that have landed elsewhere than the reference's
-  double return_time = 2;       ///< s: how fast it comes back to the reference's path
+  double planted_height = 0.04;   ///< m above the present contact: a reference point higher than this is not planted
+  double planted_speed = 0.25;    ///< m/s upwards: a reference point faster than this is not planted
+  double sliding_speed = 0.8;     ///< m/s along the floor: a reference point faster than this is not planted
+  double shift_time = 0.12;       ///< s: how fast the path follows feet that have landed elsewhere than the reference's
+  double return_time = 2;         ///< s: how fast it comes back to the reference's path
   Vec3 gravity{0, 0, -9.81};
 };
 
 /// Memory from tick to tick: plain data, for saving and restoring.
 struct ControlState {
-  double overload = 0;     ///< averaged wanted assist / cap
+  double overload = 0;          ///< averaged wanted assist / cap
   double shift[3] = {0, 0, 0};  ///< m: by how much the figure's path has left the reference's, as its feet have it
-  std::uint64_t let_go = 0;  ///< 1 once the figure has let go
+  std::uint64_t let_go = 0;     ///< 1 once the figure has let go
 };
 
 /// Input of one tick; spans of the caller's memory.
 struct ControlInput {
-  std::span<const double> q, v;              ///< present state [nq], [nv]
-  std::span<const double> q_ref, v_ref, a_ref;  ///< reference at the present time [nq], [nv], [nv]
+  std::span<const double> q, v;                       ///< present state [nq], [nv]
+  std::span<const double> q_ref, v_ref, a_ref;        ///< reference at the present time [nq], [nv], [nv]
   std::span<const collision::ContactPoint> contacts;  ///< of collision analysis at the present state
-  int system = 0;                            ///< this figure's index in the contacts
-  double dt = 0.002;                         ///< s
+  int system = 0;                                     ///< this figure's index in the contacts
+  double dt = 0.002;                                  ///< s
 };
 
 /// Output of one tick.
 struct ControlOutput {
-  Vec6 assist;          ///< applied root assist: moment about the root link's origin [N m], force [N], world axes
-  Vec6 wanted;          ///< before the cap
-  double ratio = 0;     ///< size of the wanted assist / cap
-  double size_bw = 0;   ///< size of the applied assist in body weights, moments included at the lever
+  Vec6 assist;         ///< applied root assist: moment about the root link's origin [N m], force [N], world axes
+  Vec6 wanted;         ///< before the cap
+  double ratio = 0;    ///< size of the wanted assist / cap
+  double size_bw = 0;  ///< size of the applied assist in body weights, moments included at the lever
   bool let_go = false;
 };
 
@@ -77,7 +77,9 @@ class MotionControl {
   /// in the neutral position.
   [[nodiscard]] double lever() const { return lever_; }
   /// The assist as an external wrench on the root link about the world origin. @param X_WB pose of the root link
-  [[nodiscard]] static Vec6 about_world_origin(const Vec6& assist, const Vec3& root) { return {assist.w + cross(root, assist.v), assist.v}; }
+  [[nodiscard]] static Vec6 about_world_origin(const Vec6& assist, const Vec3& root) {
+    return {assist.w + cross(root, assist.v), assist.v};
+  }
 
  private:
   MechanismPtr mechanism_;
@@ -87,14 +89,14 @@ class MotionControl {
   dynamics::Workspace workspace_, reference_;
   ContactForceProblem problem_;
   double lever_ = 1;
-  double weight_ = 0;     // N
+  double weight_ = 0;  // N
   bool floating_ = false;
-  std::vector<double> wanted_;   // [nv] accelerations
+  std::vector<double> wanted_;  // [nv] accelerations
   std::vector<double> displacement_;
   std::vector<unsigned char> bears_;  // [nv] lies between the ground and the root
   std::vector<Support> supports_;
   std::vector<int> support_links_;
-  std::vector<Vec3> apart_;      // [supports] from where the reference has the point to where it is
+  std::vector<Vec3> apart_;  // [supports] from where the reference has the point to where it is
   std::vector<Vec3> forces_;
 };
 

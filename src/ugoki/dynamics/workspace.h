@@ -24,35 +24,35 @@ struct Workspace {
   explicit Workspace(const Mechanism& mechanism);
 
   // From the mechanism
-  std::vector<int> depth;        ///< [nv] freedoms above freedom i
-  std::vector<int> row_start;    ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
-  std::vector<int> chain;        ///< freedoms from the base to i, i included
-  std::vector<int> link_chain;   ///< [links] deepest freedom that moves the link, or -1
-  std::vector<Freedom> freedoms; ///< [nv]
+  std::vector<int> depth;         ///< [nv] freedoms above freedom i
+  std::vector<int> row_start;     ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
+  std::vector<int> chain;         ///< freedoms from the base to i, i included
+  std::vector<int> link_chain;    ///< [links] deepest freedom that moves the link, or -1
+  std::vector<Freedom> freedoms;  ///< [nv]
 
   // Kinematics: update_kinematics()
-  Vec3 p0;                       ///< m, world
-  std::vector<Pose> X_WB;        ///< [links]
-  std::vector<Vec6> S;           ///< [nv] motion subspace
-  std::vector<Vec6> V;           ///< [links] velocity
-  std::vector<Vec6> C;           ///< [links] (dS/dt) v: velocity-product acceleration of the link relative to its parent
-  std::vector<Inertia> I;        ///< [links]
+  Vec3 p0;                 ///< m, world
+  std::vector<Pose> X_WB;  ///< [links]
+  std::vector<Vec6> S;     ///< [nv] motion subspace
+  std::vector<Vec6> V;     ///< [links] velocity
+  std::vector<Vec6> C;     ///< [links] (dS/dt) v: velocity-product acceleration of the link relative to its parent
+  std::vector<Inertia> I;  ///< [links]
 
   // Scratch of the recursions
-  std::vector<Vec6> A, F;        ///< [links]
-  std::vector<Inertia> Ic;       ///< [links] composite inertia
+  std::vector<Vec6> A, F;              ///< [links]
+  std::vector<Inertia> Ic;             ///< [links] composite inertia
   std::vector<ArticulatedInertia> IA;  ///< [links]
-  std::vector<Vec6> pA;          ///< [links] articulated bias force
-  std::vector<Vec6> U;           ///< [nv] articulated inertia times motion subspace
-  std::vector<double> d, u;      ///< [nv] inverse pivots, reduced joint forces
+  std::vector<Vec6> pA;                ///< [links] articulated bias force
+  std::vector<Vec6> U;                 ///< [nv] articulated inertia times motion subspace
+  std::vector<double> d, u;            ///< [nv] inverse pivots, reduced joint forces
 
   // Inertia matrix and its factor M + diag = L^T D L, rows as in `chain`
-  std::vector<double> M;         ///< calc_inertia_rows()
-  std::vector<double> L;         ///< factor(): unit lower factor; the diagonal entries hold D
-  std::vector<double> D_inverse; ///< [nv]
+  std::vector<double> M;          ///< calc_inertia_rows()
+  std::vector<double> L;          ///< factor(): unit lower factor; the diagonal entries hold D
+  std::vector<double> D_inverse;  ///< [nv]
 
   // Stages of the integrators
-  std::vector<double> q1, v1, vdot, bias;  ///< [nq], [nv] ...
+  std::vector<double> q1, v1, vdot, bias;      ///< [nq], [nv] ...
   std::vector<double> k_q, k_v, sum_q, sum_v;  ///< [nv]
 };
 

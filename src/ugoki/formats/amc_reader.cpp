@@ -139,8 +139,8 @@ class AmcReader {
                   "Read the motion with the ASF file that belongs to it.");
     const std::size_t bone = found->second;
     if (seen_[bone])
-      return stop(ErrorCode::duplicate, line, "bone " + in_quotes(name) + " has two lines in frame " + std::to_string(numbers_.back()) + ".",
-                  "Remove one of them.");
+      return stop(ErrorCode::duplicate, line,
+                  "bone " + in_quotes(name) + " has two lines in frame " + std::to_string(numbers_.back()) + ".", "Remove one of them.");
     seen_[bone] = 1;
     const std::size_t count = asf_.bones[bone].freedoms.size();
     double* values = values_.data() + values_.size() - numbers_a_frame_ + first_[bone];

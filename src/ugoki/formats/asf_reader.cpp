@@ -173,7 +173,8 @@ class AsfReader {
       const auto value = number(words[1], is("mass") ? "mass" : "length");
       if (!value) return !problems_.full();
       if (!(*value > 1e-9))
-        return complain(ErrorCode::range, line_, "the scale " + in_quotes(words[1]) + " is not positive.", "Write 1 where there is no scale.");
+        return complain(ErrorCode::range, line_, "the scale " + in_quotes(words[1]) + " is not positive.",
+                        "Write 1 where there is no scale.");
       (is("mass") ? mass_scale_ : length_scale_) = *value;
     } else if (is("angle")) {
       if (equal_ignoring_case(words[1], "deg") || equal_ignoring_case(words[1], "degrees"))
@@ -336,10 +337,10 @@ class AsfReader {
       return complain(ErrorCode::range, bone.line, "the direction of bone " + in_quotes(bone.name) + " has no length.",
                       "Give a direction that is not zero.");
     if (!bone.limits.empty() && (bone.limits.size() != bone.freedoms.size() || half_limit_))
-      return complain(
-          ErrorCode::structure, bone.limits_line,
-          "bone " + in_quotes(bone.name) + " has " + std::to_string(bone.freedoms.size()) + " freedoms, but its limits are not as many pairs.",
-          "Give one pair (lower upper) for each freedom of 'dof'.");
+      return complain(ErrorCode::structure, bone.limits_line,
+                      "bone " + in_quotes(bone.name) + " has " + std::to_string(bone.freedoms.size()) +
+                          " freedoms, but its limits are not as many pairs.",
+                      "Give one pair (lower upper) for each freedom of 'dof'.");
     return true;
   }
 
@@ -362,17 +363,19 @@ class AsfReader {
     for (std::size_t i = 1; i < words.size(); ++i) {
       const auto child = index_.find(words[i]);
       if (child == index_.end() || child->second == 0) {
-        if (!complain(ErrorCode::unknown, line_,
-                      child == index_.end() ? "there is no bone " + in_quotes(words[i]) + "." : std::string("the root cannot hang on a bone."),
-                      "Name a bone of :bonedata."))
+        if (!complain(
+                ErrorCode::unknown, line_,
+                child == index_.end() ? "there is no bone " + in_quotes(words[i]) + "." : std::string("the root cannot hang on a bone."),
+                "Name a bone of :bonedata."))
           return false;
         continue;
       }
       BoneText& bone = bones_[static_cast<std::size_t>(child->second)];
       if (bone.parent >= 0) {
-        if (!complain(ErrorCode::structure, line_,
-                      "bone " + in_quotes(words[i]) + " already hangs on " + in_quotes(bones_[static_cast<std::size_t>(bone.parent)].name) + ".",
-                      "Let it hang on one bone only."))
+        if (!complain(
+                ErrorCode::structure, line_,
+                "bone " + in_quotes(words[i]) + " already hangs on " + in_quotes(bones_[static_cast<std::size_t>(bone.parent)].name) + ".",
+                "Let it hang on one bone only."))
           return false;
         continue;
       }

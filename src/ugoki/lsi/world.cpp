@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "ugoki/base/check.h"
-#include "ugoki/mechanism/state.h"
 #include "ugoki/lsi/track_sampler.h"
+#include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
 
 namespace ugoki::lsi {

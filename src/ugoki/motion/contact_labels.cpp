@@ -16,7 +16,8 @@ void remove_short_runs(std::vector<std::uint8_t>& on, std::uint8_t value, int le
     int to = from;
     while (to < n && on[at(to)] == on[at(from)]) ++to;
     const bool inside = from > 0 && to < n;
-    if (on[at(from)] == value && to - from < least && (inside || ends)) std::fill(on.begin() + from, on.begin() + to, static_cast<std::uint8_t>(1 - value));
+    if (on[at(from)] == value && to - from < least && (inside || ends))
+      std::fill(on.begin() + from, on.begin() + to, static_cast<std::uint8_t>(1 - value));
     from = to;
   }
 }
@@ -35,7 +36,8 @@ std::vector<SupportPoint> support_points(const Link& link) {
       case ShapeType::box:
         for (const double x : {-1.0, 1.0})
           for (const double y : {-1.0, 1.0})
-            for (const double z : {-1.0, 1.0}) points.push_back({s.X_BS * Vec3{x * s.half_extents.x, y * s.half_extents.y, z * s.half_extents.z}, 0});
+            for (const double z : {-1.0, 1.0})
+              points.push_back({s.X_BS * Vec3{x * s.half_extents.x, y * s.half_extents.y, z * s.half_extents.z}, 0});
         break;
     }
   }

@@ -70,7 +70,8 @@ void FootSkate::save(std::span<double> out) const {
   for (const Foot& f : feet_) {
     const Mat3& R = f.before.R;
     const Vec3& p = f.before.p;
-    for (const double value : {f.stood ? 1.0 : 0.0, f.path, R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz, p.x, p.y, p.z}) *x++ = value;
+    for (const double value : {f.stood ? 1.0 : 0.0, f.path, R.xx, R.xy, R.xz, R.yx, R.yy, R.yz, R.zx, R.zy, R.zz, p.x, p.y, p.z})
+      *x++ = value;
   }
 }
 

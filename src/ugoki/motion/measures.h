@@ -41,7 +41,7 @@ class FootSkate {
     int link = 0;
     int first = 0, count = 0;  ///< its points in points_
     bool stood = false;
-    double path = 0;           ///< m, in this stance
+    double path = 0;  ///< m, in this stance
     Pose before;
   };
   std::vector<Foot> feet_;

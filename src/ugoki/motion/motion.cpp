@@ -12,13 +12,15 @@ Error check_motion(const Motion& motion, const Mechanism& mechanism) {
   const std::string place = "motion " + motion.name;
   if (motion.nq != mechanism.nq()) {
     errors.add(ErrorCode::structure, place,
-               "it has " + std::to_string(motion.nq) + " coordinates, mechanism " + mechanism.name() + " has " + std::to_string(mechanism.nq()) + ".",
+               "it has " + std::to_string(motion.nq) + " coordinates, mechanism " + mechanism.name() + " has " +
+                   std::to_string(mechanism.nq()) + ".",
                "Use it with the mechanism for which it was made (" + motion.mechanism + ").");
     return errors;
   }
   if (motion.frames < 1 || motion.q.size() != static_cast<std::size_t>(motion.frames) * static_cast<std::size_t>(motion.nq))
     errors.add(ErrorCode::structure, place, "it has no frames, or not as many numbers as its frames need.", "Import it again.");
-  if (!(motion.rate > 0) || !std::isfinite(motion.rate)) errors.add(ErrorCode::range, place, "its frame rate is not positive.", "Import it again.");
+  if (!(motion.rate > 0) || !std::isfinite(motion.rate))
+    errors.add(ErrorCode::range, place, "its frame rate is not positive.", "Import it again.");
   if (!errors.empty()) return errors;
   for (int f = 0; f < motion.frames; ++f) {
     const double* q = motion.frame(f);
@@ -31,14 +33,17 @@ Error check_motion(const Motion& motion, const Mechanism& mechanism) {
       if (at < 0) continue;
       const double* r = q + link.q_index + at;
       if (std::fabs(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3] - 1) > 1e-6) {
-        errors.add(ErrorCode::range, place + ", frame " + std::to_string(f), "the quaternion of link " + link.name + " is not of unit length.", "Import it again.");
+        errors.add(ErrorCode::range, place + ", frame " + std::to_string(f),
+                   "the quaternion of link " + link.name + " is not of unit length.", "Import it again.");
         return errors;
       }
     }
   }
   for (const ContactTrack& c : motion.contacts) {
-    if (mechanism.find_link(c.link) < 0) errors.add(ErrorCode::unknown, place, "it labels contacts of link '" + c.link + "', which does not exist.", "Label them again.");
-    if (c.on.size() != static_cast<std::size_t>(motion.frames)) errors.add(ErrorCode::structure, place, "its contact labels are not as long as its frames.", "Label them again.");
+    if (mechanism.find_link(c.link) < 0)
+      errors.add(ErrorCode::unknown, place, "it labels contacts of link '" + c.link + "', which does not exist.", "Label them again.");
+    if (c.on.size() != static_cast<std::size_t>(motion.frames))
+      errors.add(ErrorCode::structure, place, "its contact labels are not as long as its frames.", "Label them again.");
   }
   return errors;
 }

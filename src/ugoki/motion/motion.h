@@ -13,20 +13,20 @@ namespace ugoki {
 
 /// Links whose ground contact a motion labels, for example both feet.
 struct ContactTrack {
-  std::string link;                 ///< name of the link
-  std::vector<std::uint8_t> on;     ///< [frames] 1 while it bears on the ground
+  std::string link;              ///< name of the link
+  std::vector<std::uint8_t> on;  ///< [frames] 1 while it bears on the ground
 };
 
 struct Motion {
   std::string name;
-  std::string source;               ///< where it comes from, for people
-  std::string mechanism;            ///< name of the mechanism for which it was made
-  double rate = 120;                ///< frames a second
+  std::string source;     ///< where it comes from, for people
+  std::string mechanism;  ///< name of the mechanism for which it was made
+  double rate = 120;      ///< frames a second
   int frames = 0;
   int nq = 0;
-  std::vector<double> q;            ///< [frames][nq]
+  std::vector<double> q;  ///< [frames][nq]
   std::vector<ContactTrack> contacts;
-  bool cyclic = false;              ///< the last frame leads into the first (but for the root's path)
+  bool cyclic = false;  ///< the last frame leads into the first (but for the root's path)
 
   [[nodiscard]] double duration() const { return frames > 1 ? (frames - 1) / rate : 0; }
   [[nodiscard]] const double* frame(int i) const { return q.data() + static_cast<std::size_t>(i) * static_cast<std::size_t>(nq); }

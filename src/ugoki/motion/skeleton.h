@@ -11,34 +11,34 @@ namespace ugoki {
 
 /// One rotation freedom that the file gives a joint.
 struct MeasuredFreedom {
-  Vec3 axis;               ///< unit, in the joint's rest frame
+  Vec3 axis;  ///< unit, in the joint's rest frame
   bool limited = false;
   double lower = 0, upper = 0;  ///< rad, valid if limited
 };
 
 struct SkeletonJoint {
   std::string name;
-  int parent = -1;                  ///< -1: a root; parents come first
-  Vec3 offset;                      ///< m, from the parent joint at rest (roots: from the origin)
-  std::vector<Vec3> end_sites;      ///< m, ends of the bones that start here and carry no joint, from this joint at rest
+  int parent = -1;                        ///< -1: a root; parents come first
+  Vec3 offset;                            ///< m, from the parent joint at rest (roots: from the origin)
+  std::vector<Vec3> end_sites;            ///< m, ends of the bones that start here and carry no joint, from this joint at rest
   std::vector<MeasuredFreedom> freedoms;  ///< rotation freedoms in the order of the file (outermost first); none: rigid
-  bool translates = false;          ///< its translation is measured too
-  std::string rotation_order = "ZXY";  ///< order of the rotation channels in the file, in the FILE's axes; for writing back
+  bool translates = false;                ///< its translation is measured too
+  std::string rotation_order = "ZXY";     ///< order of the rotation channels in the file, in the FILE's axes; for writing back
 };
 
 struct Skeleton {
   std::string name;
   std::vector<SkeletonJoint> joints;
-  double unit = 1;    ///< m per length unit of the file
-  double mass = 0;    ///< kg if the file tells, otherwise 0
+  double unit = 1;  ///< m per length unit of the file
+  double mass = 0;  ///< kg if the file tells, otherwise 0
 };
 
 /// A skeleton with its measured frames.
 struct MeasuredMotion {
-  std::string name;          ///< from the file's name
-  std::string source;        ///< file name as read
+  std::string name;    ///< from the file's name
+  std::string source;  ///< file name as read
   Skeleton skeleton;
-  double rate = 120;         ///< frames a second
+  double rate = 120;  ///< frames a second
   int frames = 0;
   std::vector<Vec3> translations;  ///< [frames][joints] m, of the joint from its parent joint, in the parent's frame
   std::vector<Quat> rotations;     ///< [frames][joints] of the joint's frame in the parent's frame

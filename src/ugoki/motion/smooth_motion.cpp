@@ -44,7 +44,11 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, double cuto
     : SmoothMotion(motion, m, std::vector<double>(static_cast<std::size_t>(m.link_count()), cutoff)) {}
 
 SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<const double> cutoffs)
-    : rate_(motion.rate), frames_(motion.frames), nq_(static_cast<std::size_t>(m.nq())), nv_(static_cast<std::size_t>(m.nv())), q_(motion.q) {
+    : rate_(motion.rate),
+      frames_(motion.frames),
+      nq_(static_cast<std::size_t>(m.nq())),
+      nv_(static_cast<std::size_t>(m.nv())),
+      q_(motion.q) {
   const auto n = static_cast<std::size_t>(frames_);
   // A quaternion and its negative are the same turn; the filter needs the nearer one.
   for (const Link& link : m.links()) {
@@ -67,9 +71,12 @@ SmoothMotion::SmoothMotion(const Motion& motion, const Mechanism& m, std::span<c
       const auto c = static_cast<std::size_t>(link.q_index + k);
       const double first = q_[c], last = q_[(n - 1) * nq_ + c];
       for (std::size_t i = 0; i < row.size(); ++i) {
-        if (i < pad) row[i] = motion.cyclic ? q_[(n - 1 - (pad - i)) * nq_ + c] - (last - first) : 2 * first - q_[(pad - i) * nq_ + c];
-        else if (i < pad + n) row[i] = q_[(i - pad) * nq_ + c];
-        else row[i] = motion.cyclic ? q_[(i - pad - n + 1) * nq_ + c] + (last - first) : 2 * last - q_[(2 * n - 2 - (i - pad)) * nq_ + c];
+        if (i < pad)
+          row[i] = motion.cyclic ? q_[(n - 1 - (pad - i)) * nq_ + c] - (last - first) : 2 * first - q_[(pad - i) * nq_ + c];
+        else if (i < pad + n)
+          row[i] = q_[(i - pad) * nq_ + c];
+        else
+          row[i] = motion.cyclic ? q_[(i - pad - n + 1) * nq_ + c] + (last - first) : 2 * last - q_[(2 * n - 2 - (i - pad)) * nq_ + c];
       }
       filter_both_ways(row, rate_, cutoff);
       for (std::size_t f = 0; f < n; ++f) q_[f * nq_ + c] = row[f + pad];

@@ -33,10 +33,10 @@ struct Part {
   const char* parent;
   const char* label;
   JointType joint;
-  Vec3 at;                 ///< m, joint
+  Vec3 at;                    ///< m, joint
   std::vector<Shape> shapes;  ///< relative to the joint
   double damping, stiffness, effort;
-  Vec3 lower, upper;       ///< degrees
+  Vec3 lower, upper;  ///< degrees
 };
 
 Shape seen(Shape s) {
@@ -49,29 +49,94 @@ std::vector<Part> make_parts() {
   const auto bar = [](double r, Vec3 a, Vec3 b) { return Shape::capsule(r, a, b); };
   std::vector<Part> p;
   const Vec3 root = dog_root, chest = dog_chest;
-  p.push_back({"Pelvis", "", "pelvis", floating, root,
-               {bar(0.080, {-0.055, 0.022, -0.03}, {0.05, 0.028, 0.0}), bar(0.080, {-0.055, -0.022, -0.03}, {0.05, -0.028, 0.0})}, 0, 0, 0, {}, {}});
-  p.push_back({"Loin", "Pelvis", "loin", spherical, {0.085, 0, 0.515},
+  p.push_back({"Pelvis",
+               "",
+               "pelvis",
+               floating,
+               root,
+               {bar(0.080, {-0.055, 0.022, -0.03}, {0.05, 0.028, 0.0}), bar(0.080, {-0.055, -0.022, -0.03}, {0.05, -0.028, 0.0})},
+               0,
+               0,
+               0,
+               {},
+               {}});
+  p.push_back({"Loin",
+               "Pelvis",
+               "loin",
+               spherical,
+               {0.085, 0, 0.515},
                {bar(0.088, {0.0, 0.012, -0.018}, {0.13, 0.016, -0.030}), bar(0.088, {0.0, -0.012, -0.018}, {0.13, -0.016, -0.030})},
-               4, 120, 250, {-15, -25, -25}, {15, 25, 25}});
-  p.push_back({"Chest", "Loin", "chest", spherical, chest,
+               4,
+               120,
+               250,
+               {-15, -25, -25},
+               {15, 25, 25}});
+  p.push_back({"Chest",
+               "Loin",
+               "chest",
+               spherical,
+               chest,
                {bar(0.103, {0.015, 0.012, -0.045}, {0.235, 0.0, -0.055}), bar(0.103, {0.015, -0.012, -0.045}, {0.235, 0.0, -0.055}),
                 bar(0.080, {0.05, 0, -0.095}, {0.27, 0, -0.095}), seen(bar(0.060, {0.10, 0.035, 0.015}, {0.25, 0.018, 0.035})),
                 seen(bar(0.060, {0.10, -0.035, 0.015}, {0.25, -0.018, 0.035}))},
-               4, 120, 250, {-15, -20, -20}, {15, 20, 20}});
-  p.push_back({"Neck", "Chest", "neck", spherical, dog_neck, {bar(0.072, {-0.03, 0, -0.03}, {0.062, 0, 0.062})}, 1.2, 15, 90, {-30, -50, -50}, {30, 50, 50}});
-  p.push_back({"Neck1", "Neck", "neck upper", spherical, dog_neck + Vec3{0.075, 0, 0.075}, {bar(0.060, {0, 0, 0}, {0.055, 0, 0.060})}, 1.0, 12, 70, {-30, -50, -50}, {30, 50, 50}});
-  p.push_back({"Head", "Neck1", "head", spherical, dog_neck + Vec3{0.138, 0, 0.150},
-               {bar(0.064, {0.005, 0, 0.008}, {0.045, 0, 0.004}), bar(0.037, {0.07, 0, -0.014}, {0.152, 0, -0.032}), seen(bar(0.026, {0.08, 0, -0.048}, {0.135, 0, -0.056})),
-                seen(Shape::sphere(0.014, {Mat3::identity(), {0.184, 0, -0.026}})),
-                seen(bar(0.016, {-0.012, 0.040, 0.045}, {-0.020, 0.056, 0.100})), seen(bar(0.016, {-0.012, -0.040, 0.045}, {-0.020, -0.056, 0.100})),
-                seen(bar(0.008, {-0.020, 0.056, 0.105}, {-0.022, 0.060, 0.128})), seen(bar(0.008, {-0.020, -0.056, 0.105}, {-0.022, -0.060, 0.128}))},
-               0.8, 8, 50, {-35, -50, -50}, {35, 50, 50}});
+               4,
+               120,
+               250,
+               {-15, -20, -20},
+               {15, 20, 20}});
+  p.push_back({"Neck",
+               "Chest",
+               "neck",
+               spherical,
+               dog_neck,
+               {bar(0.072, {-0.03, 0, -0.03}, {0.062, 0, 0.062})},
+               1.2,
+               15,
+               90,
+               {-30, -50, -50},
+               {30, 50, 50}});
+  p.push_back({"Neck1",
+               "Neck",
+               "neck upper",
+               spherical,
+               dog_neck + Vec3{0.075, 0, 0.075},
+               {bar(0.060, {0, 0, 0}, {0.055, 0, 0.060})},
+               1.0,
+               12,
+               70,
+               {-30, -50, -50},
+               {30, 50, 50}});
+  p.push_back({"Head",
+               "Neck1",
+               "head",
+               spherical,
+               dog_neck + Vec3{0.138, 0, 0.150},
+               {bar(0.064, {0.005, 0, 0.008}, {0.045, 0, 0.004}), bar(0.037, {0.07, 0, -0.014}, {0.152, 0, -0.032}),
+                seen(bar(0.026, {0.08, 0, -0.048}, {0.135, 0, -0.056})), seen(Shape::sphere(0.014, {Mat3::identity(), {0.184, 0, -0.026}})),
+                seen(bar(0.016, {-0.012, 0.040, 0.045}, {-0.020, 0.056, 0.100})),
+                seen(bar(0.016, {-0.012, -0.040, 0.045}, {-0.020, -0.056, 0.100})),
+                seen(bar(0.008, {-0.020, 0.056, 0.105}, {-0.022, 0.060, 0.128})),
+                seen(bar(0.008, {-0.020, -0.056, 0.105}, {-0.022, -0.060, 0.128}))},
+               0.8,
+               8,
+               50,
+               {-35, -50, -50},
+               {35, 50, 50}});
   // The tail hangs in a slight sabre curve.
   Vec3 at = root + Vec3{-0.125, 0, -0.012}, step{-0.062, 0, -0.058};
   const char* tail[] = {"Tail", "Tail1", "Tail2", "Tail3"};
   for (int i = 0; i < 4; ++i) {
-    p.push_back({tail[i], i == 0 ? "Pelvis" : tail[i - 1], i == 0 ? "tail" : "", universal, at, {bar(0.027 - 0.0035 * i, {}, step)}, 0.08, 0.8, 6, {-45, -45, 0}, {45, 45, 0}});
+    p.push_back({tail[i],
+                 i == 0 ? "Pelvis" : tail[i - 1],
+                 i == 0 ? "tail" : "",
+                 universal,
+                 at,
+                 {bar(0.027 - 0.0035 * i, {}, step)},
+                 0.08,
+                 0.8,
+                 6,
+                 {-45, -45, 0},
+                 {45, 45, 0}});
     at += step;
     step = i == 0 ? Vec3{-0.040, 0, -0.078} : i == 1 ? Vec3{-0.036, 0, -0.082} : Vec3{-0.052, 0, -0.068};
   }
@@ -82,30 +147,114 @@ std::vector<Part> make_parts() {
     const DogLimb& h = dog_hind;
     const double s = side;
     const auto name = [&](const char* l, const char* r) { return left ? l : r; };
-    p.push_back({name("LeftScapula", "RightScapula"), "Chest", name("scapula left", "scapula right"), revolute, out(dog_scapula),
-                 {bar(0.036, {0.005, 0, -0.02}, out(f.root - dog_scapula) * 0.9)}, 2.5, 60, 160, {-30, 0, 0}, {30, 0, 0}});
-    p.push_back({name("LeftUpperArm", "RightUpperArm"), name("LeftScapula", "RightScapula"), name("upper arm left", "upper arm right"), spherical, out(f.root),
-                 {bar(0.041, {}, out(f.middle - f.root) * 0.92)}, 1.5, 4, 160, {-25, -60, -25}, {25, 60, 25}});
-    p.push_back({name("LeftForearm", "RightForearm"), name("LeftUpperArm", "RightUpperArm"), name("forearm left", "forearm right"), revolute, out(f.middle),
-                 {bar(0.025, {}, out(f.end - f.middle)), seen(bar(0.031, {0.004, 0, 0.0}, out(f.end - f.middle) * 0.38))}, 0.6, 1, 130, {-120, 0, 0}, {60, 0, 0}});
-    p.push_back({name("LeftCarpus", "RightCarpus"), name("LeftForearm", "RightForearm"), name("carpus left", "carpus right"), revolute, out(f.end),
-                 {bar(0.020, {}, out(f.knuckle - f.end))}, 0.3, 2, 80, {-60, 0, 0}, {130, 0, 0}});
-    p.push_back({name("LeftForePaw", "RightForePaw"), name("LeftCarpus", "RightCarpus"), name("paw fore left", "paw fore right"), revolute, out(f.knuckle),
-                 {}, 0.12, 2, 40, {-110, 0, 0}, {80, 0, 0}});
-    p.push_back({name("LeftThigh", "RightThigh"), "Pelvis", name("thigh left", "thigh right"), spherical, out(h.root),
-                 {bar(0.058, {-0.005, 0, -0.01}, out(h.middle - h.root) * 0.85 + Vec3{-0.004, 0, 0}), bar(0.040, out(h.middle - h.root) * 0.5, out(h.middle - h.root) * 0.97)},
-                 2, 5, 200, {-30, -60, -25}, {30, 60, 25}});
-    p.push_back({name("LeftShank", "RightShank"), name("LeftThigh", "RightThigh"), name("shank left", "shank right"), revolute, out(h.middle),
-                 {bar(0.027, {}, out(h.end - h.middle)), seen(bar(0.037, {-0.010, 0, -0.01}, out(h.end - h.middle) * 0.45 + Vec3{-0.004, 0, 0}))}, 1, 1.5, 170, {-60, 0, 0}, {110, 0, 0}});
-    p.push_back({name("LeftHock", "RightHock"), name("LeftShank", "RightShank"), name("hock left", "hock right"), revolute, out(h.end),
-                 {bar(0.0185, {-0.010, 0, 0.018}, out(h.knuckle - h.end)), seen(Shape::sphere(0.021, {Mat3::identity(), {-0.010, 0, 0.010}}))}, 0.5, 2, 120, {-90, 0, 0}, {80, 0, 0}});
-    p.push_back({name("LeftHindPaw", "RightHindPaw"), name("LeftHock", "RightHock"), name("paw hind left", "paw hind right"), revolute, out(h.knuckle),
-                 {}, 0.12, 2, 40, {-110, 0, 0}, {80, 0, 0}});
+    p.push_back({name("LeftScapula", "RightScapula"),
+                 "Chest",
+                 name("scapula left", "scapula right"),
+                 revolute,
+                 out(dog_scapula),
+                 {bar(0.036, {0.005, 0, -0.02}, out(f.root - dog_scapula) * 0.9)},
+                 2.5,
+                 60,
+                 160,
+                 {-30, 0, 0},
+                 {30, 0, 0}});
+    p.push_back({name("LeftUpperArm", "RightUpperArm"),
+                 name("LeftScapula", "RightScapula"),
+                 name("upper arm left", "upper arm right"),
+                 spherical,
+                 out(f.root),
+                 {bar(0.041, {}, out(f.middle - f.root) * 0.92)},
+                 1.5,
+                 4,
+                 160,
+                 {-25, -60, -25},
+                 {25, 60, 25}});
+    p.push_back({name("LeftForearm", "RightForearm"),
+                 name("LeftUpperArm", "RightUpperArm"),
+                 name("forearm left", "forearm right"),
+                 revolute,
+                 out(f.middle),
+                 {bar(0.025, {}, out(f.end - f.middle)), seen(bar(0.031, {0.004, 0, 0.0}, out(f.end - f.middle) * 0.38))},
+                 0.6,
+                 1,
+                 130,
+                 {-120, 0, 0},
+                 {60, 0, 0}});
+    p.push_back({name("LeftCarpus", "RightCarpus"),
+                 name("LeftForearm", "RightForearm"),
+                 name("carpus left", "carpus right"),
+                 revolute,
+                 out(f.end),
+                 {bar(0.020, {}, out(f.knuckle - f.end))},
+                 0.3,
+                 2,
+                 80,
+                 {-60, 0, 0},
+                 {130, 0, 0}});
+    p.push_back({name("LeftForePaw", "RightForePaw"),
+                 name("LeftCarpus", "RightCarpus"),
+                 name("paw fore left", "paw fore right"),
+                 revolute,
+                 out(f.knuckle),
+                 {},
+                 0.12,
+                 2,
+                 40,
+                 {-110, 0, 0},
+                 {80, 0, 0}});
+    p.push_back({name("LeftThigh", "RightThigh"),
+                 "Pelvis",
+                 name("thigh left", "thigh right"),
+                 spherical,
+                 out(h.root),
+                 {bar(0.058, {-0.005, 0, -0.01}, out(h.middle - h.root) * 0.85 + Vec3{-0.004, 0, 0}),
+                  bar(0.040, out(h.middle - h.root) * 0.5, out(h.middle - h.root) * 0.97)},
+                 2,
+                 5,
+                 200,
+                 {-30, -60, -25},
+                 {30, 60, 25}});
+    p.push_back(
+        {name("LeftShank", "RightShank"),
+         name("LeftThigh", "RightThigh"),
+         name("shank left", "shank right"),
+         revolute,
+         out(h.middle),
+         {bar(0.027, {}, out(h.end - h.middle)), seen(bar(0.037, {-0.010, 0, -0.01}, out(h.end - h.middle) * 0.45 + Vec3{-0.004, 0, 0}))},
+         1,
+         1.5,
+         170,
+         {-60, 0, 0},
+         {110, 0, 0}});
+    p.push_back(
+        {name("LeftHock", "RightHock"),
+         name("LeftShank", "RightShank"),
+         name("hock left", "hock right"),
+         revolute,
+         out(h.end),
+         {bar(0.0185, {-0.010, 0, 0.018}, out(h.knuckle - h.end)), seen(Shape::sphere(0.021, {Mat3::identity(), {-0.010, 0, 0.010}}))},
+         0.5,
+         2,
+         120,
+         {-90, 0, 0},
+         {80, 0, 0}});
+    p.push_back({name("LeftHindPaw", "RightHindPaw"),
+                 name("LeftHock", "RightHock"),
+                 name("paw hind left", "paw hind right"),
+                 revolute,
+                 out(h.knuckle),
+                 {},
+                 0.12,
+                 2,
+                 40,
+                 {-110, 0, 0},
+                 {80, 0, 0}});
     for (std::size_t i : {p.size() - 5, p.size() - 1}) {
       // The pads: two toes and the ball, all on the ground.
       const double z = -p[i].at.z, r = 0.017, b = 0.019;
-      p[i].shapes = {bar(r, {0.004, 0.014 * s, z + r}, {0.044, 0.015 * s, z + r}), bar(r, {0.004, -0.014 * s, z + r}, {0.044, -0.015 * s, z + r}),
-                     seen(bar(b, {0, 0, 0}, {0.026, 0, z + b + 0.003})), seen(bar(0.015, {0.01, 0, z + 0.018}, {0.052, 0, z + 0.0155}))};
+      p[i].shapes = {bar(r, {0.004, 0.014 * s, z + r}, {0.044, 0.015 * s, z + r}),
+                     bar(r, {0.004, -0.014 * s, z + r}, {0.044, -0.015 * s, z + r}), seen(bar(b, {0, 0, 0}, {0.026, 0, z + b + 0.003})),
+                     seen(bar(0.015, {0.01, 0, z + 0.018}, {0.052, 0, z + 0.0155}))};
     }
   }
   return p;

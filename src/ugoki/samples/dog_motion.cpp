@@ -70,14 +70,14 @@ class Poser {
   void hind_leg(int side, const Step& s) {
     const bool left = side > 0;
     leg(dog_hind, left ? "LeftThigh" : "RightThigh", left ? "LeftShank" : "RightShank", left ? "LeftHock" : "RightHock",
-               left ? "LeftHindPaw" : "RightHindPaw", "Pelvis", s, 1);
+        left ? "LeftHindPaw" : "RightHindPaw", "Pelvis", s, 1);
   }
   /// Places a fore leg whose scapula is turned by `scapula` (about y).
   void fore_leg(int side, const Step& s, double scapula) {
     const bool left = side > 0;
     set(left ? "LeftScapula" : "RightScapula", about_y(scapula));
     leg(dog_fore, left ? "LeftUpperArm" : "RightUpperArm", left ? "LeftForearm" : "RightForearm", left ? "LeftCarpus" : "RightCarpus",
-               left ? "LeftForePaw" : "RightForePaw", left ? "LeftScapula" : "RightScapula", s, -1);
+        left ? "LeftForePaw" : "RightForePaw", left ? "LeftScapula" : "RightScapula", s, -1);
   }
 
  private:
@@ -88,7 +88,7 @@ class Poser {
   }
 
   void leg(const DogLimb& limb, const char* upper, const char* lower, const char* metapodium, const char* paw, const char* parent,
-             const Step& s, int bend) {
+           const Step& s, int bend) {
     const double l1 = norm(limb.middle - limb.root), l2 = norm(limb.end - limb.middle);
     const Pose X_parent = pose_of(parent);
     const Link& first = find(upper);
@@ -171,14 +171,16 @@ Motion make_dog_trot(const Mechanism& dog) {
     Poser p(dog);
     // Lowest in the middle of each diagonal's stance, a quarter of a stride after touch-down.
     const double bounce = -0.009 * cos(2 * w - pi * 2 * duty);
-    p.set_root({about_z(1.2 * degree * sin(w)) * about_x(1.5 * degree * cos(w)) * about_y(0.7 * degree * cos(2 * w)), dog_root + Vec3{x, 0.004 * sin(w), -0.024 + bounce}});
+    p.set_root({about_z(1.2 * degree * sin(w)) * about_x(1.5 * degree * cos(w)) * about_y(0.7 * degree * cos(2 * w)),
+                dog_root + Vec3{x, 0.004 * sin(w), -0.024 + bounce}});
     p.set("Loin", about_z(-1.6 * degree * sin(w)) * about_y(1.2 * degree * cos(2 * w + 0.4)));
     p.set("Chest", about_z(-1.2 * degree * sin(w)) * about_y(-1.0 * degree * cos(2 * w + 0.4)));
     p.set("Neck", about_z(0.8 * degree * sin(w)) * about_y((14 + 1.6 * cos(2 * w + 1)) * degree));
     p.set("Neck1", about_z(0.8 * degree * sin(w)) * about_y((10 + 1.2 * cos(2 * w + 1)) * degree));
     p.set("Head", about_y((-20 - 2.4 * cos(2 * w + 1)) * degree));
     const char* tail[] = {"Tail", "Tail1", "Tail2", "Tail3"};
-    for (int i = 0; i < 4; ++i) p.set(tail[i], about_y((i == 0 ? 22 : 9) * degree + 2.5 * degree * cos(2 * w - 0.7 * i)) * about_z(5 * degree * sin(w - 0.8 * i)));
+    for (int i = 0; i < 4; ++i)
+      p.set(tail[i], about_y((i == 0 ? 22 : 9) * degree + 2.5 * degree * cos(2 * w - 0.7 * i)) * about_z(5 * degree * sin(w - 0.8 * i)));
     for (const int side : {1, -1}) {
       const double fore = side > 0 ? u : u + 0.5, hind = side > 0 ? u + 0.5 : u;
       // Both are counted in strides since the world's start, so that a standing paw stays where it is.

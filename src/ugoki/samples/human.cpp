@@ -15,12 +15,36 @@ constexpr double height = 1.75;
 constexpr double thigh = 0.245 * height, shank = 0.246 * height;
 constexpr double ankle_height = 0.039 * height, ball_height = 0.019 * height;
 constexpr double ball_forward = 0.075 * height, toe_length = 0.040 * height;
-constexpr double heel_back = 0.036 * height, heel_radius = 0.04, edge_forward = ball_forward + 0.012;  // the sole as the body module shapes it
+constexpr double heel_back = 0.036 * height, heel_radius = 0.04,
+                 edge_forward = ball_forward + 0.012;  // the sole as the body module shapes it
 constexpr double hip_half_width = 0.050 * height, hip_drop = 0.022 * height;
 constexpr double rate = 120;
 
-enum Joint { hips, spine, spine1, chest, neck, head, shoulder_l, arm_l, forearm_l, hand_l, shoulder_r, arm_r, forearm_r, hand_r,
-             thigh_l, shank_l, foot_l, toes_l, thigh_r, shank_r, foot_r, toes_r, joint_count };
+enum Joint {
+  hips,
+  spine,
+  spine1,
+  chest,
+  neck,
+  head,
+  shoulder_l,
+  arm_l,
+  forearm_l,
+  hand_l,
+  shoulder_r,
+  arm_r,
+  forearm_r,
+  hand_r,
+  thigh_l,
+  shank_l,
+  foot_l,
+  toes_l,
+  thigh_r,
+  shank_r,
+  foot_r,
+  toes_r,
+  joint_count
+};
 
 Skeleton make_skeleton() {
   Skeleton s;
@@ -132,15 +156,15 @@ class Recorder {
 
 // ---- walking. Time in strides: the left heel strikes at 0, the right one at 0.5.
 
-constexpr int stride_frames = 124;                                // 1.033 s: 116 steps a minute
+constexpr int stride_frames = 124;  // 1.033 s: 116 steps a minute
 constexpr double stride_time = stride_frames / rate, speed = 1.35, stride = speed * stride_time;
-constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;   // foot flat, heel off, toe off (Perry 1992)
+constexpr double flat_from = 0.08, flat_to = 0.30, lift = 0.61;  // foot flat, heel off, toe off (Perry 1992)
 constexpr double strike_pitch = -17 * degree, lift_pitch = 57 * degree;
-constexpr double strike_speed = 1.0, strike_brake = 20;             // m/s, m/s^2: of the heel at heel strike
-constexpr double swing_lift = 0.085;                              // m
-constexpr double toe_bend = 1.15;                                 // turn of the toes against the pitch of the foot
-constexpr double over_ankle = 0.22;                               // when the pelvis passes over the ankle
-constexpr double half_track = 0.052;                              // m, ankles from the middle
+constexpr double strike_speed = 1.0, strike_brake = 20;  // m/s, m/s^2: of the heel at heel strike
+constexpr double swing_lift = 0.085;                     // m
+constexpr double toe_bend = 1.15;                        // turn of the toes against the pitch of the foot
+constexpr double over_ankle = 0.22;                      // when the pelvis passes over the ankle
+constexpr double half_track = 0.052;                     // m, ankles from the middle
 constexpr double toe_out = 6 * degree;
 
 /// Pitch of the foot and its derivatives per stride, while it stands.
@@ -187,7 +211,8 @@ FootPose walking_foot(double u, double heading) {
   foot.pitch = s < level ? quintic(leaving, {passing.x, passing.v * level, 0}, s / level)
                          : quintic({passing.x, passing.v * (1 - level), 0}, {strike_pitch, 0, 0}, (s - level) / (1 - level));
   // The heel still moves forward a little when it strikes, and brakes until then.
-  foot.ankle.x = between([&](double w) { return stance_ankle(w, heading).x; }, {landing.x + stride, strike_speed * stride_time * span, -strike_brake * stride_time * span * stride_time * span});
+  foot.ankle.x = between([&](double w) { return stance_ankle(w, heading).x; },
+                         {landing.x + stride, strike_speed * stride_time * span, -strike_brake * stride_time * span * stride_time * span});
   foot.ankle.y = between([&](double w) { return stance_ankle(w, heading).y; }, {landing.y, 0, 0});
   foot.ankle.z = between([&](double w) { return stance_ankle(w, heading).z; }, {landing.z, 0, 0}) + swing_lift * bump(s * (2 - s));
   const double relax = smooth_step((s - 0.12) / 0.5), ready = smooth_step((s - 0.5) / 0.5);
@@ -224,7 +249,8 @@ double find_pelvis_height(double most) {
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (low + high);
     double worst = 0;
-    for (int f = 0; f < stride_frames; ++f) worst = std::max(worst, walking_posture(static_cast<double>(f) / stride_frames, middle).worst_reach);
+    for (int f = 0; f < stride_frames; ++f)
+      worst = std::max(worst, walking_posture(static_cast<double>(f) / stride_frames, middle).worst_reach);
     (worst > most ? high : low) = middle;
   }
   return low;
@@ -259,7 +285,8 @@ MeasuredMotion make_human_stand() {
     }
     const double breath = sin(w);  // fifteen breaths a minute
     place_trunk(p, about_y((2.5 + 0.6 * breath) * degree), about_z(2.5 * degree * sin(w + 0.7)) * about_y((2 + 0.5 * sin(2 * w)) * degree));
-    for (const int side : {1, -1}) place_arm(p, side, (1 + 0.7 * breath) * degree, (8 + 0.4 * breath) * degree, (16 + 0.8 * breath) * degree);
+    for (const int side : {1, -1})
+      place_arm(p, side, (1 + 0.7 * breath) * degree, (8 + 0.4 * breath) * degree, (16 + 0.8 * breath) * degree);
     out.add(p);
   }
   return out.take();

@@ -112,7 +112,7 @@ bool receive_head(int fd, std::uint32_t& size, Fd& carried) {
 }
 
 bool read_block(int fd, std::vector<std::byte>& block) {
-  struct stat status {};
+  struct stat status{};
   if (fstat(fd, &status) != 0 || status.st_size < 0) return false;
   block.resize(static_cast<std::size_t>(status.st_size));
   std::size_t at = 0;

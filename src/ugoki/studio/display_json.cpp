@@ -109,7 +109,8 @@ std::vector<double> thumbnail_curve(const Motion& motion, const Mechanism& mecha
   if (best < 0) return {};
   const int count = std::min(48, motion.frames);
   std::vector<double> curve;
-  for (int k = 0; k < count; ++k) curve.push_back(motion.frame(static_cast<int>(static_cast<long>(k) * (motion.frames - 1) / (count - 1)))[best]);
+  for (int k = 0; k < count; ++k)
+    curve.push_back(motion.frame(static_cast<int>(static_cast<long>(k) * (motion.frames - 1) / (count - 1)))[best]);
   const auto [low, high] = std::ranges::minmax(curve);
   for (double& value : curve) value = high > low ? std::round(1000 * (value - low) / (high - low)) / 1000 : 0.5;
   return curve;

@@ -16,10 +16,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double display_rate = 60;           // ticks a second
-constexpr double slice_seconds = 0.004;       // of work before calls are looked at again
-constexpr double greatest_lag = 0.25;         // s behind the clock before the clock is let go
-constexpr double cheap_seconds = 3;           // to simulate again after an edit
+constexpr double display_rate = 60;      // ticks a second
+constexpr double slice_seconds = 0.004;  // of work before calls are looked at again
+constexpr double greatest_lag = 0.25;    // s behind the clock before the clock is let go
+constexpr double cheap_seconds = 3;      // to simulate again after an edit
 constexpr double transport_period = 0.5, summary_period = 0.25;
 constexpr double slowest = 0.05, fastest = 8;
 
@@ -117,7 +117,8 @@ Result<void> Interpreter::play(std::optional<double> speed) {
     speed_ = *speed;
   }
   if (blown_up_ && shown_ >= head_time()) {
-    return fail(told(ErrorCode::structure, "transport", "The simulation cannot go on from here: " + status_, "Restart it, or change the content."));
+    return fail(
+        told(ErrorCode::structure, "transport", "The simulation cannot go on from here: " + status_, "Restart it, or change the content."));
   }
   if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
     shown_ = 0;
@@ -137,9 +138,12 @@ Result<void> Interpreter::pause() {
   if (playing_ || status_ == "simulating") {
     playing_ = false;
     status_ = "paused";
-    if (mode_ == PlayMode::simulate && shown_ >= head_time() - 1.5 * simulation_->step_size()) show_head();
-    else if (mode_ == PlayMode::simulate) show_recorded(shown_);
-    else show_edit(shown_);
+    if (mode_ == PlayMode::simulate && shown_ >= head_time() - 1.5 * simulation_->step_size())
+      show_head();
+    else if (mode_ == PlayMode::simulate)
+      show_recorded(shown_);
+    else
+      show_edit(shown_);
   }
   report_transport();
   report_summary();
@@ -198,12 +202,14 @@ Result<LiveInput> Interpreter::link_input(std::string_view character, std::strin
   const std::vector<CastMember>& cast = simulation_->cast();
   const auto found = std::ranges::find(cast, character, &CastMember::id);
   if (found == cast.end()) {
-    return fail(told(ErrorCode::unknown, "character", "No character is called \"" + std::string(character) + "\".", "Name one of the scenario's characters."));
+    return fail(told(ErrorCode::unknown, "character", "No character is called \"" + std::string(character) + "\".",
+                     "Name one of the scenario's characters."));
   }
   LiveInput input;
   input.character = static_cast<int>(found - cast.begin());
   const std::optional<long> index = parse_long(link);
-  input.link = index ? (*index >= 0 && *index < found->links ? static_cast<int>(*index) : -1) : simulation_->find_link(input.character, link);
+  input.link =
+      index ? (*index >= 0 && *index < found->links ? static_cast<int>(*index) : -1) : simulation_->find_link(input.character, link);
   if (input.link < 0) {
     return fail(told(ErrorCode::unknown, "link", "\"" + std::string(character) + "\" has no link \"" + std::string(link) + "\".",
                      "Give a link's index, name or label."));
@@ -225,7 +231,8 @@ Result<void> Interpreter::push(std::string_view character, std::string_view link
   Result<LiveInput> input = link_input(character, link);
   if (!input) return fail(std::move(input.error()));
   if (!is_finite(force) || norm(force) > 1e5 || !(duration > 0 && duration <= 10)) {
-    return fail(told(ErrorCode::range, "force", "A push has at most 100 000 N and lasts at most 10 s.", "Give the force in newton and the duration in seconds."));
+    return fail(told(ErrorCode::range, "force", "A push has at most 100 000 N and lasts at most 10 s.",
+                     "Give the force in newton and the duration in seconds."));
   }
   input->type = LiveInput::Type::push;
   input->a = force;
@@ -421,7 +428,8 @@ void Interpreter::show_edit(double time) {
 
 void Interpreter::show_recorded(double time) {
   // Beyond the last kept frame there is only the head itself.
-  if (step_at(time) > recording_->step_of_frame(recording_->frame_count() - 1) && step_at(time) == simulation_->step_count()) return show_head();
+  if (step_at(time) > recording_->step_of_frame(recording_->frame_count() - 1) && step_at(time) == simulation_->step_count())
+    return show_head();
   if (!playing_) {
     const std::span<const std::byte> kept = recording_->frame(recording_->frame_near(time));
     frame_.assign(kept.begin(), kept.end());

@@ -72,10 +72,10 @@ class Interpreter {
   [[nodiscard]] double realtime_factor() const;
   void begin_recording();
   [[nodiscard]] Result<void> truncate(std::int64_t step);
-  [[nodiscard]] bool advance_head();          ///< one step; false: it blew up and was stopped
+  [[nodiscard]] bool advance_head();  ///< one step; false: it blew up and was stopped
   void record_head();
   void set_goal(Goal goal, std::int64_t step);
-  bool work_on_goal();                        ///< true: reached or given up
+  bool work_on_goal();  ///< true: reached or given up
   void tick();
   void show_edit(double time);
   void show_recorded(double time);
@@ -101,13 +101,13 @@ class Interpreter {
   bool playing_ = false;
   bool blown_up_ = false;
   double speed_ = 1;
-  double shown_ = 0;              ///< s, what the page sees
+  double shown_ = 0;  ///< s, what the page sees
   Goal goal_ = Goal::none;
   std::int64_t goal_step_ = 0;
-  std::size_t next_input_ = 0;    ///< first recorded input that the head has not seen
+  std::size_t next_input_ = 0;  ///< first recorded input that the head has not seen
   double anchor_seconds_ = 0, anchor_time_ = 0;
-  std::int64_t ticks_ = 0;        ///< display ticks since the anchor
-  double computed_seconds_ = 0;   ///< spent in the newest steps, and how many they were
+  std::int64_t ticks_ = 0;       ///< display ticks since the anchor
+  double computed_seconds_ = 0;  ///< spent in the newest steps, and how many they were
   double computed_steps_ = 0;
   double transport_reported_ = -1, summary_reported_ = -1;
   bool summary_due_ = false;

@@ -64,7 +64,9 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
 }
 
 InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, int signal, int pid, InterpreterEvents events)
-    : control_(std::move(control)), ring_(std::move(ring)), signal_(signal), pid_(pid), events_(std::move(events)), thread_([this] { listen(); }) {}
+    : control_(std::move(control)), ring_(std::move(ring)), signal_(signal), pid_(pid), events_(std::move(events)), thread_([this] {
+        listen();
+      }) {}
 
 InterpreterProcess::~InterpreterProcess() {
   ending_ = true;

@@ -123,7 +123,7 @@ std::string LibraryService::entry_json(const store::LibraryEntry& entry, bool wi
   const auto number = [&](const char* key) { return j.contains(key) && j[key].is_number() ? j[key].get<double>() : 0.0; };
   const bool cyclic = j.contains("cyclic") && j["cyclic"].is_boolean() && j["cyclic"].get<bool>();
   j["summary"] = entry.kind == store::EntryKind::motion ? motion_words(number("duration"), number("rate"), cyclic)
-                                                       : mechanism_words(static_cast<int>(number("freedoms")), number("mass"));
+                                                        : mechanism_words(static_cast<int>(number("freedoms")), number("mass"));
   j["id"] = entry.id;
   j["kind"] = store::name_of(entry.kind);
   j["name"] = entry.name;

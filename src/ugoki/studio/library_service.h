@@ -37,7 +37,7 @@ class LibraryService {
   std::optional<store::Library> library_;
   std::map<std::string, formats::Asf, std::less<>> skeletons_;  ///< ASF files sent so far, by file name in lower case
   std::string last_skeleton_;
-  std::map<std::string, std::string, std::less<>> curves_;      ///< JSON by motion id
+  std::map<std::string, std::string, std::less<>> curves_;  ///< JSON by motion id
 };
 
 }  // namespace ugoki::studio

@@ -36,10 +36,10 @@ struct Target {
 
 /// What a request brings to prove that it may come in. Views into the request.
 struct Credentials {
-  std::string_view host;             ///< Host header, empty if none
-  std::size_t host_count = 0;        ///< how many Host headers there are
+  std::string_view host;       ///< Host header, empty if none
+  std::size_t host_count = 0;  ///< how many Host headers there are
   std::optional<std::string_view> origin;
-  std::string_view cookies;          ///< Cookie header
+  std::string_view cookies;  ///< Cookie header
   std::string_view path;
   std::string_view query;
 };

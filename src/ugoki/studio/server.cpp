@@ -196,16 +196,14 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
 
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(tcp::socket socket, Server::Impl& server)
-      : slot_(server.connections), stream_(std::move(socket)), server_(server) {}
+  HttpConnection(tcp::socket socket, Server::Impl& server) : slot_(server.connections), stream_(std::move(socket)), server_(server) {}
 
   void read_header() {
     parser_.emplace();
     parser_->header_limit(max_header_bytes);
     parser_->body_limit(server_.options.max_import_bytes);
     stream_.expires_after(server_.options.request_time);
-    http::async_read_header(stream_, buffer_, *parser_,
-                            [self = shared_from_this()](error_code ec, std::size_t) { self->on_header(ec); });
+    http::async_read_header(stream_, buffer_, *parser_, [self = shared_from_this()](error_code ec, std::size_t) { self->on_header(ec); });
   }
 
  private:
@@ -259,7 +257,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                      "Open the address that `ugoki studio` printed."});
         return false;
       case Admission::no_token:
-        refuse(401, {ErrorCode::conflict, "token", "The studio's token is missing.", "Open the whole address that `ugoki studio` printed."});
+        refuse(401,
+               {ErrorCode::conflict, "token", "The studio's token is missing.", "Open the whole address that `ugoki studio` printed."});
         return false;
       case Admission::wrong_token:
         refuse(401, {ErrorCode::conflict, "token", "The token is not this studio's; perhaps it was started again since.",
@@ -324,10 +323,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (ec == http::error::header_limit) {
       return refuse(431, {ErrorCode::range, "request", "The request's header is too long.", "Delete this site's cookies and try again."});
     }
-    if (ec == http::error::end_of_stream || ec == http::error::partial_message || ec.category() != http::make_error_code(http::error::bad_method).category()) {
+    if (ec == http::error::end_of_stream || ec == http::error::partial_message ||
+        ec.category() != http::make_error_code(http::error::bad_method).category()) {
       return close();
     }
-    refuse(400, {ErrorCode::syntax, "request", "This is not a request of HTTP: " + ec.message() + ".", "Open the studio's page in a browser."});
+    refuse(400,
+           {ErrorCode::syntax, "request", "This is not a request of HTTP: " + ec.message() + ".", "Open the studio's page in a browser."});
   }
 
   void refuse_size(std::size_t limit) {
@@ -341,8 +342,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response.set(http::field::cache_control, "no-store");
     if (for_people) {
       const Problem& p = error.problems.front();
-      response.body() = "<!doctype html><meta charset=\"utf-8\"><title>Ugoki</title><body style=\"font:15px system-ui;background:#16181d;"
-                        "color:#e6e6ea;padding:3em\"><p>" + escaped(p.message) + "</p><p>" + escaped(p.remedy) + "</p></body>\n";
+      response.body() =
+          "<!doctype html><meta charset=\"utf-8\"><title>Ugoki</title><body style=\"font:15px system-ui;background:#16181d;"
+          "color:#e6e6ea;padding:3em\"><p>" +
+          escaped(p.message) + "</p><p>" + escaped(p.remedy) + "</p></body>\n";
     } else {
       response.body() = error_body(error);
     }
@@ -356,9 +359,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   static std::string escaped(std::string_view text) {
     std::string out;
     for (const char c : text) {
-      if (c == '<') out += "&lt;";
-      else if (c == '&') out += "&amp;";
-      else out += c;
+      if (c == '<')
+        out += "&lt;";
+      else if (c == '&')
+        out += "&amp;";
+      else
+        out += c;
     }
     return out;
   }
@@ -374,8 +380,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     response.set("Cross-Origin-Resource-Policy", "same-origin");
     response.set("Content-Security-Policy",
                  "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-                 "font-src 'self' data:; connect-src 'self' ws://" + server_.gate.host() + "; worker-src 'self' blob:; object-src 'none'; "
-                 "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+                 "font-src 'self' data:; connect-src 'self' ws://" +
+                     server_.gate.host() +
+                     "; worker-src 'self' blob:; object-src 'none'; "
+                     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
     if (set_cookie_) response.set(http::field::set_cookie, server_.gate.set_cookie());
     return response;
   }
@@ -524,9 +532,8 @@ const std::string& Server::token() const { return impl_->gate.token; }
 std::string Server::address() const { return impl_->gate.origin() + "/?token=" + impl_->gate.token; }
 
 void Server::send(ClientId client, std::string text) {
-  net::post(impl_->io, [impl = impl_.get(), client, shared = std::make_shared<const std::string>(std::move(text))] {
-    impl->deliver(client, shared);
-  });
+  net::post(impl_->io,
+            [impl = impl_.get(), client, shared = std::make_shared<const std::string>(std::move(text))] { impl->deliver(client, shared); });
 }
 
 void Server::broadcast(std::string text) { send(0, std::move(text)); }

@@ -37,12 +37,12 @@ class ServerEvents {
 };
 
 struct ServerOptions {
-  std::uint16_t port = 0;     ///< 0: any free one
-  std::string token;          ///< empty: a new one
-  std::filesystem::path web;  ///< folder with index.html; empty: no page
-  std::size_t max_import_bytes = std::size_t{256} << 20;    ///< of a POST's body
-  std::size_t max_message_bytes = std::size_t{8} << 20;     ///< of a WebSocket message from a page
-  std::size_t max_waiting_bytes = std::size_t{64} << 20;    ///< texts that wait for one page before it is let go
+  std::uint16_t port = 0;                                 ///< 0: any free one
+  std::string token;                                      ///< empty: a new one
+  std::filesystem::path web;                              ///< folder with index.html; empty: no page
+  std::size_t max_import_bytes = std::size_t{256} << 20;  ///< of a POST's body
+  std::size_t max_message_bytes = std::size_t{8} << 20;   ///< of a WebSocket message from a page
+  std::size_t max_waiting_bytes = std::size_t{64} << 20;  ///< texts that wait for one page before it is let go
   std::size_t max_connections = 128;
   std::chrono::seconds request_time{15};  ///< for a request's header; idle connections close after it
   std::chrono::seconds body_time{120};

@@ -26,10 +26,14 @@ bool is_too_deep(std::string_view text) {
   bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
-    if (c == '\\' && quoted) ++i;
-    else if (c == '"') quoted = !quoted;
-    else if (!quoted && (c == '{' || c == '[') && ++depth > 100) return true;
-    else if (!quoted && (c == '}' || c == ']')) --depth;
+    if (c == '\\' && quoted)
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '{' || c == '[') && ++depth > 100)
+      return true;
+    else if (!quoted && (c == '}' || c == ']'))
+      --depth;
   }
   return false;
 }
@@ -43,7 +47,8 @@ std::string shown_circuit(std::span<const std::byte> executable) {
   if (!circuit || circuit->lsis.empty()) return {};
   Json lsis = Json::array(), wires = Json::array();
   for (const circuit::Instance& lsi : circuit->lsis) {
-    lsis.push_back({{"id", lsi.id}, {"type", lsi.type}, {"name", lsi.label.empty() ? lsi.id : lsi.label}, {"x", lsi.at.x}, {"y", lsi.at.y}});
+    lsis.push_back(
+        {{"id", lsi.id}, {"type", lsi.type}, {"name", lsi.label.empty() ? lsi.id : lsi.label}, {"x", lsi.at.x}, {"y", lsi.at.y}});
   }
   for (const circuit::Wire& wire : circuit->wires) wires.push_back({{"from", wire.from}, {"to", wire.to}});
   return text_of({{"lsis", std::move(lsis)}, {"wires", std::move(wires)}});
@@ -89,11 +94,14 @@ void Session::on_message(ClientId client, std::string_view text) {
   request.client = client;
   if (!is_too_deep(text)) request.json = Json::parse(text, nullptr, false);
   if (!request.json.is_object()) {
-    return reply(client, "null", fail(ErrorCode::syntax, "message", "This is no JSON object.", "Send {\"id\": 1, \"op\": \"hello\"}, for example."));
+    return reply(client, "null",
+                 fail(ErrorCode::syntax, "message", "This is no JSON object.", "Send {\"id\": 1, \"op\": \"hello\"}, for example."));
   }
-  if (const auto id = request.json.find("id"); id != request.json.end() && (id->is_number() || id->is_string())) request.reply_to = text_of(*id);
+  if (const auto id = request.json.find("id"); id != request.json.end() && (id->is_number() || id->is_string()))
+    request.reply_to = text_of(*id);
   const auto op = request.json.find("op");
-  if (op == request.json.end() || !op->is_string()) return reply(client, request.reply_to, Request::wrong("op", "the name of an operation"));
+  if (op == request.json.end() || !op->is_string())
+    return reply(client, request.reply_to, Request::wrong("op", "the name of an operation"));
   request.op = op->get<std::string>();
   bool answered = true;
   Result<std::string> result;
@@ -180,7 +188,8 @@ Result<std::string> Session::execute(const Request& request) {
   Result<project::Change> change = project_.execute(text_of(*command), library_ ? &*library_ : nullptr);
   if (!change) return fail(std::move(change.error()));
   if (!change->label.empty()) changed();
-  return ",\"label\":" + text_of(change->label) + ",\"created\":" + text_of(change->created) + ",\"revision\":" + std::to_string(project_.revision());
+  return ",\"label\":" + text_of(change->label) + ",\"created\":" + text_of(change->created) +
+         ",\"revision\":" + std::to_string(project_.revision());
 }
 
 Result<std::string> Session::undo_or_redo(bool undo) {

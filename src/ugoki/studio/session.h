@@ -23,7 +23,7 @@
 namespace ugoki::studio {
 
 struct SessionOptions {
-  std::string library_path;       ///< where commands fetch mechanisms and motions from; empty: nowhere
+  std::string library_path;  ///< where commands fetch mechanisms and motions from; empty: nowhere
   InterpreterProgram interpreter;
   std::chrono::milliseconds patience{10'000};  ///< with an interpreter that does not answer
 };
@@ -31,9 +31,9 @@ struct SessionOptions {
 /// A motion or mechanism of the open project, as the library lists it.
 struct ProjectEntry {
   std::string id;
-  MechanismPtr mechanism;     ///< of a motion: the one that it fits, perhaps null
+  MechanismPtr mechanism;  ///< of a motion: the one that it fits, perhaps null
   std::string mechanism_id;
-  MotionPtr motion;           ///< null: the entry is the mechanism
+  MotionPtr motion;  ///< null: the entry is the mechanism
 };
 
 class Session {
@@ -96,17 +96,17 @@ class Session {
 
   std::unique_ptr<InterpreterProcess> process_;
   std::atomic<int> pid_ = -1;
-  std::uint64_t generation_ = 0;      ///< of the process; what comes from older ones is ignored
-  std::vector<std::byte> executable_; ///< the newest that could be generated
-  std::string circuit_;               ///< JSON of its circuit for display
+  std::uint64_t generation_ = 0;       ///< of the process; what comes from older ones is ignored
+  std::vector<std::byte> executable_;  ///< the newest that could be generated
+  std::string circuit_;                ///< JSON of its circuit for display
   int last_request_ = 0;
   std::map<int, Pending> pending_;
-  int ping_ = 0;                      ///< request id of a ping without answer; 0: none
+  int ping_ = 0;  ///< request id of a ping without answer; 0: none
   std::chrono::steady_clock::time_point ping_time_;
 
-  std::string transport_;             ///< newest transport event
-  std::string summary_;               ///< newest summary event
-  bool simulate_ = false;             ///< mode that a new interpreter gets
+  std::string transport_;  ///< newest transport event
+  std::string summary_;    ///< newest summary event
+  bool simulate_ = false;  ///< mode that a new interpreter gets
   double speed_ = 1;
   mutable std::mutex frame_mutex_;
   FrameBytes last_frame_;

@@ -22,10 +22,10 @@ struct CastMember {
 
 /// How natural a character has moved so far.
 struct CharacterSummary {
-  double assist_rms_bw = 0;     ///< root-assist wrench, body weights
-  double foot_skate_cm = 0;     ///< a stance, mean
+  double assist_rms_bw = 0;  ///< root-assist wrench, body weights
+  double foot_skate_cm = 0;  ///< a stance, mean
   double tracking_rms_deg = 0;
-  double penetration_mm = 0;    ///< worst
+  double penetration_mm = 0;  ///< worst
   bool fell = false;
 };
 
@@ -33,9 +33,9 @@ class Simulation {
  public:
   virtual ~Simulation() = default;
 
-  [[nodiscard]] virtual double step_size() const = 0;   ///< s
-  [[nodiscard]] virtual double duration() const = 0;    ///< s
-  [[nodiscard]] virtual double frame_rate() const = 0;  ///< display frames a second
+  [[nodiscard]] virtual double step_size() const = 0;                     ///< s
+  [[nodiscard]] virtual double duration() const = 0;                      ///< s
+  [[nodiscard]] virtual double frame_rate() const = 0;                    ///< display frames a second
   [[nodiscard]] virtual const std::vector<CastMember>& cast() const = 0;  ///< in the order of the frames
   /// Index of the link named so (name or label), or -1.
   [[nodiscard]] virtual int find_link(int character, std::string_view name) const = 0;

@@ -12,7 +12,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::unexpected<Error> not_found(std::string_view path) {
-  return fail(ErrorCode::unknown, std::string(path), "There is no such file in the studio's page.", "Open the address that `ugoki studio` printed.");
+  return fail(ErrorCode::unknown, std::string(path), "There is no such file in the studio's page.",
+              "Open the address that `ugoki studio` printed.");
 }
 
 /// True if `file` lies below `root`; both canonical.
@@ -31,11 +32,21 @@ std::string_view content_type_of(std::string_view path) {
     std::string_view ending, type;
   };
   constexpr Ending endings[] = {
-      {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"}, {".mjs", "text/javascript; charset=utf-8"},
-      {".css", "text/css; charset=utf-8"},   {".json", "application/json"},             {".map", "application/json"},
-      {".svg", "image/svg+xml"},             {".png", "image/png"},                     {".jpg", "image/jpeg"},
-      {".webp", "image/webp"},               {".ico", "image/x-icon"},                  {".woff2", "font/woff2"},
-      {".wasm", "application/wasm"},         {".txt", "text/plain; charset=utf-8"},     {".webmanifest", "application/manifest+json"},
+      {".html", "text/html; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".mjs", "text/javascript; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".json", "application/json"},
+      {".map", "application/json"},
+      {".svg", "image/svg+xml"},
+      {".png", "image/png"},
+      {".jpg", "image/jpeg"},
+      {".webp", "image/webp"},
+      {".ico", "image/x-icon"},
+      {".woff2", "font/woff2"},
+      {".wasm", "application/wasm"},
+      {".txt", "text/plain; charset=utf-8"},
+      {".webmanifest", "application/manifest+json"},
       {".glb", "model/gltf-binary"},
   };
   for (const Ending& e : endings) {

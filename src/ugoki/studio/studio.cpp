@@ -68,7 +68,8 @@ class Studio::Impl final : public ServerEvents {
  public:
   Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
     const SessionOptions session{options.library_path, options.interpreter};
-    session_ = std::make_unique<Session>(session, std::move(project), outbox_, [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
+    session_ = std::make_unique<Session>(session, std::move(project), outbox_,
+                                         [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
     session_queue_ = std::make_unique<TaskQueue>(session_period, [this] { session_->on_time(); });
     library_queue_ = std::make_unique<TaskQueue>();
   }
@@ -133,7 +134,8 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
   if (path == "/api/library" && get) {
     const std::string kind = query_value(request.query, "kind").value_or(""), words = query_value(request.query, "q").value_or("");
     session_queue_->post([this, kind, words, reply = std::move(answer)]() mutable {
-      answer_on(*library_queue_, std::move(reply), [this, kind, words, entries = session_->project_entries()] { return library_.list(kind, words, entries); });
+      answer_on(*library_queue_, std::move(reply),
+                [this, kind, words, entries = session_->project_entries()] { return library_.list(kind, words, entries); });
     });
   } else if (path.starts_with("/api/mechanism/") && get) {
     const std::string id = path.substr(std::string_view("/api/mechanism/").size());
@@ -153,7 +155,8 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
       return imported;
     });
   } else {
-    answer(refused({ErrorCode::unknown, path, "The studio has no such address for " + request.method + ".", "See docs/studio-protocol.md."}));
+    answer(
+        refused({ErrorCode::unknown, path, "The studio has no such address for " + request.method + ".", "See docs/studio-protocol.md."}));
   }
 }
 

@@ -14,10 +14,10 @@
 namespace ugoki::studio {
 
 struct StudioOptions {
-  std::uint16_t port = 0;           ///< 0: any free one
-  std::filesystem::path web;        ///< folder of the page; empty: found beside the program
-  std::string library_path;         ///< empty: store::Library::default_path()
-  InterpreterProgram interpreter;   ///< how this program starts an interpreter
+  std::uint16_t port = 0;          ///< 0: any free one
+  std::filesystem::path web;       ///< folder of the page; empty: found beside the program
+  std::string library_path;        ///< empty: store::Library::default_path()
+  InterpreterProgram interpreter;  ///< how this program starts an interpreter
 };
 
 /// A studio that serves from start() to its end.
