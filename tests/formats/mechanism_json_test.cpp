@@ -53,6 +53,23 @@ MechanismSpec rich() {
   hand.real = "link 4";
   hand.X_RV = pose();
   spec.links.push_back(hand);
+  for (int i = 0; i < 9; ++i) {
+    LoopSpec l;
+    l.name = "loop " + std::to_string(i);
+    l.type = static_cast<LoopType>(i);
+    l.link_a = i == 2 ? "" : "link 5";
+    l.link_b = "link 7";
+    l.X_AJ = pose();
+    l.X_BJ = pose();
+    l.axis = normalized(Vec3{any(random), any(random), any(random)});
+    l.axis2 = normalized(Vec3{any(random), any(random), any(random)});
+    l.length = some(random);
+    l.freedom_a = l.type == LoopType::gear ? 1 : 0;
+    l.freedom_b = l.type == LoopType::gear ? 2 : 0;
+    l.polynomial = {any(random), any(random), -0.0, 0, any(random)};
+    l.closed = i % 2 == 0;
+    spec.loops.push_back(l);
+  }
   return spec;
 }
 
@@ -65,6 +82,25 @@ TEST(MechanismJson, GivesBackTheSameBits) {
   const Mechanism &a = **made, &b = **back;
   EXPECT_EQ(a.name(), b.name());
   ASSERT_EQ(a.link_count(), b.link_count());
+  ASSERT_EQ(a.loops().size(), b.loops().size());
+  for (std::size_t i = 0; i < a.loops().size(); ++i) {
+    const Loop &x = a.loops()[i], &y = b.loops()[i];
+    SCOPED_TRACE(x.name);
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.type, y.type);
+    EXPECT_EQ(x.link_a, y.link_a);
+    EXPECT_EQ(x.link_b, y.link_b);
+    EXPECT_TRUE(same(x.X_AJ, y.X_AJ));
+    EXPECT_TRUE(same(x.X_BJ, y.X_BJ));
+    EXPECT_TRUE(same(&x.axis, &y.axis, sizeof x.axis));
+    EXPECT_TRUE(same(&x.axis2, &y.axis2, sizeof x.axis2));
+    EXPECT_TRUE(same(&x.length, &y.length, sizeof x.length));
+    EXPECT_EQ(x.freedom_a, y.freedom_a);
+    EXPECT_EQ(x.freedom_b, y.freedom_b);
+    EXPECT_TRUE(same(&x.polynomial, &y.polynomial, sizeof x.polynomial));
+    EXPECT_EQ(x.closed, y.closed);
+    EXPECT_EQ(x.of_virtual_link, y.of_virtual_link);
+  }
   for (int i = 0; i < a.link_count(); ++i) {
     const Link &x = a.link(i), &y = b.link(i);
     SCOPED_TRACE(x.name);
@@ -149,6 +185,10 @@ TEST(MechanismJson, RefusesWithTheJsonPath) {
       {document("{\"name\": \"x\", \"shapes\": [{\"type\": \"cone\"}]}"), "a.json:links/0/shapes/0/type"},
       {document("{\"name\": \"x\", \"shapes\": [{\"type\": \"box\", \"collides\": 1}]}"), "a.json:links/0/shapes/0/collides"},
       {document("{\"name\": \"x\", \"virtual\": {\"real\": 5}}"), "a.json:links/0/virtual/real"},
+      {R"({"format": "ugoki-mechanism", "version": 1, "links": [{"name": "x"}], "loops": [{"name": "l", "type": "knot"}]})",
+       "a.json:loops/0/type"},
+      {R"({"format": "ugoki-mechanism", "version": 1, "links": [{"name": "x"}], "loops": [{"type": "gear", "a": {"freedom": 0.5}}]})",
+       "a.json:loops/0/a/freedom"},
       {document("{\"name\": \"x\",}"), "a.json:3"},
       {document("{\"name\": \"x\", \"inertia\": {\"mass\": NaN}}"), "a.json:3"},
       {document("{\"name\": \"x\", \"inertia\": {\"mass\": 1e999}}"), "a.json:3"},

@@ -109,6 +109,66 @@ TEST(Mechanism, VirtualPointersNameTheRealLink) {
   EXPECT_TRUE(m.has_loops());
   EXPECT_EQ(m.link(m.find_link("right again")).real, m.find_link("right"));
   EXPECT_EQ(m.link(m.find_link("right again")).X_RV.p, (Vec3{0, 0, 1}));
+  ASSERT_EQ(m.loops().size(), 1U);
+  const Loop& loop = m.loops()[0];
+  EXPECT_TRUE(loop.of_virtual_link);
+  EXPECT_EQ(loop.type, LoopType::weld);
+  EXPECT_EQ(loop.rows(), 6);
+  EXPECT_EQ(loop.link_a, m.find_link("right"));
+  EXPECT_EQ(loop.link_b, m.find_link("right again"));
+  EXPECT_EQ(loop.X_AJ.p, (Vec3{0, 0, 1}));
+  EXPECT_EQ(m.spec().loops.size(), 0U) << "a virtual link's loop belongs to the link";
+}
+
+TEST(Mechanism, LoopsNameTheirEnds) {
+  MechanismSpec spec = tree();
+  spec.loops.push_back({.name = "grip", .type = LoopType::ball, .link_a = "left", .link_b = "finger"});
+  spec.loops.push_back({.name = "tether", .type = LoopType::distance, .link_b = "hand", .length = 2, .closed = false});
+  spec.loops.push_back(
+      {.name = "teeth", .type = LoopType::gear, .link_a = "right", .link_b = "hand", .freedom_a = 1, .polynomial = {0, -2, 0, 0, 0}});
+  const auto made = Mechanism::make(spec);
+  ASSERT_TRUE(made.has_value()) << made.error().text();
+  const Mechanism& m = **made;
+  ASSERT_EQ(m.loops().size(), 3U);
+  EXPECT_EQ(m.find_loop("tether"), 1);
+  EXPECT_EQ(m.find_loop("rope"), -1);
+  EXPECT_EQ(m.loops()[1].link_a, -1);
+  EXPECT_FALSE(m.loops()[1].closed);
+  EXPECT_EQ(m.loops()[2].freedom_a, m.link(m.find_link("right")).v_index + 1);
+  EXPECT_EQ(m.loops()[2].freedom_b, m.link(m.find_link("hand")).v_index);
+  const auto again = Mechanism::make(m.spec());
+  ASSERT_TRUE(again.has_value()) << again.error().text();
+  EXPECT_EQ((*again)->loops()[2].freedom_a, m.loops()[2].freedom_a);
+  EXPECT_EQ((*again)->loops()[0].link_b, m.loops()[0].link_b);
+}
+
+TEST(Mechanism, ImpossibleLoopsAreNamed) {
+  const LoopSpec good{.name = "grip", .type = LoopType::ball, .link_a = "left", .link_b = "finger"};
+  const std::pair<std::function<void(LoopSpec&)>, const char*> spoiled[] = {
+      {[](LoopSpec& l) { l.name.clear(); }, "no name"},
+      {[](LoopSpec& l) { l.link_a = "nobody"; }, "'nobody' does not exist"},
+      {[](LoopSpec& l) { l.link_a = "finger"; }, "link with itself"},
+      {[](LoopSpec& l) { l.X_BJ.p.x = infinity; }, "frame"},
+      {[](LoopSpec& l) { l.X_AJ.R = Mat3::diagonal(1, 1, -1); }, "frame"},
+      {[](LoopSpec& l) { l.type = LoopType::revolute, l.axis = {}; }, "axis"},
+      {[](LoopSpec& l) { l.type = LoopType::universal, l.axis2 = {0, nan_value, 0}; }, "second axis"},
+      {[](LoopSpec& l) { l.type = LoopType::distance; }, "length"},
+      {[](LoopSpec& l) { l.type = LoopType::gear, l.freedom_a = 9; }, "first freedom"},
+      {[](LoopSpec& l) { l.type = LoopType::gear, l.link_b = ""; }, "second freedom"},
+      {[](LoopSpec& l) { l.type = LoopType::gear, l.link_a = "hand", l.link_b = "hand"; }, "with itself"},
+      {[](LoopSpec& l) { l.type = LoopType::gear, l.link_a = "right", l.link_b = "hand", l.polynomial[2] = nan_value; }, "coefficient"},
+  };
+  for (const auto& [spoil, words] : spoiled) {
+    MechanismSpec spec = tree();
+    spec.loops.push_back(good);
+    spoil(spec.loops.back());
+    const auto made = Mechanism::make(std::move(spec));
+    ASSERT_FALSE(made.has_value()) << words;
+    EXPECT_NE(made.error().text().find(words), std::string::npos) << made.error().text();
+  }
+  MechanismSpec twice = tree();
+  twice.loops = {good, good};
+  EXPECT_FALSE(Mechanism::make(std::move(twice)).has_value());
 }
 
 TEST(Mechanism, SpecAndBackIsTheSame) {

@@ -46,7 +46,7 @@ class Reader {
 
   MechanismSpec read(const json& j) {
     MechanismSpec spec;
-    if (!is_object(j, "", {"format", "version", "name", "links"})) return spec;
+    if (!is_object(j, "", {"format", "version", "name", "links", "loops"})) return spec;
     std::string format;
     read_string(j, "", "format", format);
     if (format != "ugoki-mechanism")
@@ -62,6 +62,13 @@ class Reader {
       return spec;
     }
     for (std::size_t i = 0; i < links->size() && !full(); ++i) spec.links.push_back(read_link((*links)[i], "links/" + std::to_string(i)));
+    if (const json* loops = find(j, "loops")) {
+      if (!loops->is_array())
+        add(ErrorCode::syntax, "loops", "a list of loops is expected, not " + std::string(loops->type_name()) + ".", "Write [ ... ].");
+      else
+        for (std::size_t i = 0; i < loops->size() && !full(); ++i)
+          spec.loops.push_back(read_loop((*loops)[i], "loops/" + std::to_string(i)));
+    }
     return spec;
   }
 
@@ -269,6 +276,41 @@ class Reader {
       read_pose(*v, path + "/virtual", link.X_RV);
     }
     return link;
+  }
+
+  void read_loop_end(const json& j, const std::string& path, const char* key, std::string& link, Pose& X, int& freedom) {
+    const json* end = find(j, key);
+    const std::string place = join(path, key);
+    if (!end || !is_object(*end, place, {"link", "position", "rotation", "freedom"})) return;
+    read_string(*end, place, "link", link);
+    read_pose(*end, place, X);
+    double number = 0;
+    read_number(*end, place, "freedom", number);
+    if (number >= 0 && number <= 5 && number == std::floor(number))
+      freedom = static_cast<int>(number);
+    else
+      add(ErrorCode::range, place + "/freedom", "a freedom is counted from 0 to 5.", "Give the place of the freedom in its joint.");
+  }
+
+  LoopSpec read_loop(const json& j, const std::string& path) {
+    LoopSpec loop;
+    if (!is_object(j, path, {"name", "type", "a", "b", "axis", "axis2", "length", "polynomial", "closed"})) return loop;
+    read_string(j, path, "name", loop.name);
+    std::string type;
+    read_string(j, path, "type", type);
+    if (const auto known = loop_type_named(type))
+      loop.type = *known;
+    else
+      add(ErrorCode::unknown, join(path, "type"), "there is no loop type " + in_quotes(type) + ".",
+          "Types are weld, ball, revolute, prismatic, cylindrical, planar, universal, distance and gear.");
+    read_loop_end(j, path, "a", loop.link_a, loop.X_AJ, loop.freedom_a);
+    read_loop_end(j, path, "b", loop.link_b, loop.X_BJ, loop.freedom_b);
+    read_vector(j, path, "axis", loop.axis);
+    read_vector(j, path, "axis2", loop.axis2);
+    read_number(j, path, "length", loop.length);
+    if (const json* v = find(j, "polynomial")) numbers(*v, join(path, "polynomial"), loop.polynomial.size(), loop.polynomial.data());
+    read_bool(j, path, "closed", loop.closed);
+    return loop;
   }
 
   std::string file_;

@@ -142,6 +142,32 @@ std::string link_text(const LinkSpec& l) {
   return out + "\n    }";
 }
 
+std::string loop_text(const LoopSpec& l) {
+  const LoopSpec standard;
+  Members m;
+  m.add("name", text_of(l.name));
+  m.add("type", text_of(std::string(name_of(l.type))));
+  const auto add_end = [&](const char* name, const std::string& link, const Pose& X, int freedom) {
+    Members end;
+    if (!link.empty()) end.add("link", text_of(link));
+    end.add_pose(X);
+    if (freedom != 0) end.add("freedom", std::to_string(freedom));
+    if (!end.empty()) m.add(name, end.object());
+  };
+  add_end("a", l.link_a, l.X_AJ, l.freedom_a);
+  add_end("b", l.link_b, l.X_BJ, l.freedom_b);
+  m.add_unless("axis", l.axis, standard.axis);
+  m.add_unless("axis2", l.axis2, standard.axis2);
+  m.add_unless("length", l.length, standard.length);
+  if (l.polynomial != standard.polynomial) {
+    std::string list;
+    for (const double c : l.polynomial) list += (list.empty() ? "" : ", ") + text_of(c);
+    m.add("polynomial", "[" + list + "]");
+  }
+  m.add_unless("closed", l.closed, standard.closed);
+  return "    " + m.object();
+}
+
 }  // namespace
 
 std::string write_mechanism(const Mechanism& mechanism) {
@@ -152,7 +178,17 @@ std::string write_mechanism(const Mechanism& mechanism) {
     out += (first ? "\n" : ",\n") + link_text(l);
     first = false;
   }
-  return out + "\n  ]\n}\n";
+  out += "\n  ]";
+  if (!spec.loops.empty()) {
+    out += ",\n  \"loops\": [";
+    first = true;
+    for (const LoopSpec& l : spec.loops) {
+      out += (first ? "\n" : ",\n") + loop_text(l);
+      first = false;
+    }
+    out += "\n  ]";
+  }
+  return out + "\n}\n";
 }
 
 }  // namespace ugoki::formats

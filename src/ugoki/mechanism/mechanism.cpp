@@ -80,6 +80,48 @@ void check_shapes(const LinkSpec& link, const std::string& place, Error& errors)
   }
 }
 
+using LinkIndex = std::map<std::string, int, std::less<>>;
+
+/// @param index_of places in spec.links
+void check_loop(const LoopSpec& loop, const MechanismSpec& spec, const LinkIndex& index_of, Error& errors) {
+  const std::string place = "loop " + loop.name;
+  const auto add = [&](std::string message, const char* remedy) { errors.add(ErrorCode::structure, place, std::move(message), remedy); };
+  const LinkSpec* ends[2] = {};
+  bool known = true;
+  for (int i = 0; i < 2; ++i) {
+    const std::string& name = i == 0 ? loop.link_a : loop.link_b;
+    if (name.empty()) continue;
+    if (const auto it = index_of.find(name); it != index_of.end()) {
+      ends[i] = &spec.links[static_cast<std::size_t>(it->second)];
+    } else {
+      errors.add(ErrorCode::unknown, place, "its link '" + name + "' does not exist.", "Name an existing link, or none for the world.");
+      known = false;
+    }
+  }
+  if (loop.type == LoopType::gear) {
+    const int freedoms[2] = {loop.freedom_a, loop.freedom_b};
+    for (int i = 0; i < 2 && known; ++i)
+      if (!ends[i] || freedoms[i] < 0 || freedoms[i] >= ends[i]->joint.nv() || ends[i]->joint.type == JointType::floating)
+        add("its " + std::string(i == 0 ? "first" : "second") + " freedom is none of a joint with a displacement.",
+            "Name a link whose joint is not floating, and one of its freedoms, counted from 0.");
+    if (known && loop.link_a == loop.link_b && loop.freedom_a == loop.freedom_b)
+      add("it couples a freedom with itself.", "Name two freedoms.");
+    if (!std::ranges::all_of(loop.polynomial, [](double c) { return std::isfinite(c); }))
+      add("a coefficient of its polynomial is not finite.", "Correct it.");
+    return;
+  }
+  if (known && loop.link_a == loop.link_b) add("it joins a link with itself.", "Name two links, or one and the world.");
+  if (!is_pose(loop.X_AJ) || !is_pose(loop.X_BJ))
+    add("a frame of it is not a rotation and a finite position.", "Give an orthonormal rotation.");
+  const bool uses_axis = loop.type == LoopType::revolute || loop.type == LoopType::prismatic || loop.type == LoopType::cylindrical ||
+                         loop.type == LoopType::planar || loop.type == LoopType::universal;
+  if (uses_axis && !(std::fabs(norm(loop.axis) - 1) < 1e-6)) add("its axis is not a unit vector.", "Give an axis of length 1.");
+  if (loop.type == LoopType::universal && !(std::fabs(norm(loop.axis2) - 1) < 1e-6))
+    add("its second axis is not a unit vector.", "Give an axis of length 1.");
+  if (loop.type == LoopType::distance && !(loop.length > 0 && std::isfinite(loop.length)))
+    add("its length is not above zero.", "Give a length in metres, or use a ball.");
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
@@ -89,7 +131,7 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
   if (n == 0) errors.add(ErrorCode::structure, whole, "it has no links.", "Add at least one link.");
   if (n > 1'000'000) return fail(ErrorCode::range, whole, "it has more than a million links.");
 
-  std::map<std::string, int, std::less<>> index_of;
+  LinkIndex index_of;
   for (std::size_t i = 0; i < n; ++i) {
     const LinkSpec& l = spec.links[i];
     if (l.name.empty())
@@ -125,6 +167,18 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     check_shapes(l, place, errors);
     if (std::string why = impossible_inertia(l.inertia); !why.empty())
       errors.add(ErrorCode::structure, place, why, "Correct mass, centre and moments of inertia.");
+  }
+  LinkIndex loop_names;
+  for (std::size_t i = 0; i < spec.loops.size(); ++i) {
+    const LoopSpec& l = spec.loops[i];
+    if (l.name.empty())
+      errors.add(ErrorCode::structure, whole + ", loop " + std::to_string(i), "it has no name.", "Name it.");
+    else if (const auto it = index_of.find(l.name);
+             !loop_names.emplace(l.name, static_cast<int>(i)).second ||
+             (it != index_of.end() && !spec.links[static_cast<std::size_t>(it->second)].real.empty()))
+      errors.add(ErrorCode::duplicate, "loop " + l.name, "two loops have this name.",
+                 "Rename one of them; a virtual link's loop has its name.");
+    check_loop(l, spec, index_of, errors);
   }
   if (!errors.empty()) return fail(std::move(errors));
 
@@ -164,10 +218,7 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     to.inertia = from.inertia;
     to.shapes = std::move(from.shapes);
     to.X_RV = from.X_RV;
-    if (!from.real.empty()) {
-      to.real = place_of[static_cast<std::size_t>(index_of.find(from.real)->second)];
-      m->has_loops_ = true;
-    }
+    if (!from.real.empty()) to.real = place_of[static_cast<std::size_t>(index_of.find(from.real)->second)];
     to.q_index = m->nq_;
     to.v_index = m->nv_;
     m->nq_ += to.joint.nq();
@@ -187,6 +238,36 @@ Result<std::shared_ptr<const Mechanism>> Mechanism::make(MechanismSpec spec) {
     if (last_base >= 0) m->links_[static_cast<std::size_t>(last_base)].brother = static_cast<int>(i);
     last_base = static_cast<int>(i);
   }
+
+  const auto link_named = [&](const std::string& name) {
+    return name.empty() ? -1 : place_of[static_cast<std::size_t>(index_of.find(name)->second)];
+  };
+  for (LoopSpec& from : spec.loops) {
+    Loop to{.name = std::move(from.name),
+            .type = from.type,
+            .link_a = link_named(from.link_a),
+            .link_b = link_named(from.link_b),
+            .X_AJ = from.X_AJ,
+            .X_BJ = from.X_BJ,
+            .axis = from.axis,
+            .axis2 = from.axis2,
+            .length = from.length,
+            .polynomial = from.polynomial,
+            .closed = from.closed};
+    if (to.type == LoopType::gear) {
+      to.freedom_a = m->link(to.link_a).v_index + from.freedom_a;
+      to.freedom_b = m->link(to.link_b).v_index + from.freedom_b;
+    }
+    m->loops_.push_back(std::move(to));
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    if (const Link& l = m->links_[i]; l.real >= 0)
+      m->loops_.push_back({.name = l.name,
+                           .type = LoopType::weld,
+                           .link_a = l.real,
+                           .link_b = static_cast<int>(i),
+                           .X_AJ = l.X_RV,
+                           .of_virtual_link = true});
 
   // The tree of freedoms.
   std::vector<int> last_freedom(n, -1);
@@ -224,6 +305,12 @@ int Mechanism::find_link(std::string_view name) const {
   return -1;
 }
 
+int Mechanism::find_loop(std::string_view name) const {
+  for (std::size_t i = 0; i < loops_.size(); ++i)
+    if (loops_[i].name == name) return static_cast<int>(i);
+  return -1;
+}
+
 const Freedom& Mechanism::freedom(int i) const {
   const Link& l = link(link_of_freedom(i));
   return l.joint.freedoms[static_cast<std::size_t>(i - l.v_index)];
@@ -249,6 +336,24 @@ MechanismSpec Mechanism::spec() const {
     s.real = l.real < 0 ? "" : link(l.real).name;
     s.X_RV = l.X_RV;
     out.links.push_back(std::move(s));
+  }
+  const auto name_of_link = [&](int i) { return i < 0 ? std::string() : link(i).name; };
+  for (const Loop& l : loops_) {
+    if (l.of_virtual_link) continue;
+    const bool gear = l.type == LoopType::gear;
+    out.loops.push_back({.name = l.name,
+                         .type = l.type,
+                         .link_a = name_of_link(l.link_a),
+                         .link_b = name_of_link(l.link_b),
+                         .X_AJ = l.X_AJ,
+                         .X_BJ = l.X_BJ,
+                         .axis = l.axis,
+                         .axis2 = l.axis2,
+                         .length = l.length,
+                         .freedom_a = gear ? l.freedom_a - link(l.link_a).v_index : 0,
+                         .freedom_b = gear ? l.freedom_b - link(l.link_b).v_index : 0,
+                         .polynomial = l.polynomial,
+                         .closed = l.closed});
   }
   return out;
 }

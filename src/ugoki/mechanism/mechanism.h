@@ -9,6 +9,7 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/mechanism/joint.h"
+#include "ugoki/mechanism/loop.h"
 #include "ugoki/mechanism/shape.h"
 
 namespace ugoki {
@@ -28,6 +29,7 @@ struct LinkSpec {
 struct MechanismSpec {
   std::string name;
   std::vector<LinkSpec> links;  ///< any order
+  std::vector<LoopSpec> loops = {};  ///< beside those of the virtual links
 };
 
 /// A link as it runs. Indices are -1 where there is none. (Paper, table 2.)
@@ -51,7 +53,8 @@ class Mechanism {
   /// Orders links parents first (otherwise as given), sets the pointers and checks everything; each problem names the
   /// link at fault: no or double name, unknown parent or real link, a circle of parents, axis without direction, lower
   /// above upper limit, negative damping, inertia impossible for a body (negative mass, triangle inequality), a movable
-  /// joint with nothing behind it that has mass (or armature), not finite numbers.
+  /// joint with nothing behind it that has mass (or armature), a loop between a link and itself or without length or
+  /// freedom, not finite numbers.
   [[nodiscard]] static Result<std::shared_ptr<const Mechanism>> make(MechanismSpec spec);
 
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -61,7 +64,11 @@ class Mechanism {
   [[nodiscard]] int nq() const { return nq_; }
   [[nodiscard]] int nv() const { return nv_; }
   [[nodiscard]] double mass() const { return mass_; }  ///< kg, virtual links included
-  [[nodiscard]] bool has_loops() const { return has_loops_; }
+  /// Loops: first those of the spec in its order, then one weld for each virtual link, named after it.
+  [[nodiscard]] std::span<const Loop> loops() const { return loops_; }
+  [[nodiscard]] bool has_loops() const { return !loops_.empty(); }
+  /// Index of the loop with this name, or -1. O(loops).
+  [[nodiscard]] int find_loop(std::string_view name) const;
   /// Index of the link with this name, or -1. O(links).
   [[nodiscard]] int find_link(std::string_view name) const;
   /// The link to which freedom i of v belongs.
@@ -80,11 +87,11 @@ class Mechanism {
   Mechanism() = default;
   std::string name_;
   std::vector<Link> links_;
+  std::vector<Loop> loops_;
   std::vector<int> link_of_freedom_;
   std::vector<int> freedom_parents_;
   int nq_ = 0, nv_ = 0;
   double mass_ = 0;
-  bool has_loops_ = false;
 };
 
 using MechanismPtr = std::shared_ptr<const Mechanism>;
