@@ -32,12 +32,12 @@ enum class LoopType : std::uint8_t { weld, ball, revolute, prismatic, cylindrica
 
 /// A loop as people write it: it names its links. (As it runs: `Loop`.)
 struct LoopSpec {
-  std::string name;
+  std::string name = {};
   LoopType type = LoopType::weld;
-  std::string link_a;                                  ///< empty: the world
-  std::string link_b;                                  ///< empty: the world
-  Pose X_AJ;                                           ///< J_A in link a
-  Pose X_BJ;                                           ///< J_B in link b
+  std::string link_a = {};                             ///< empty: the world
+  std::string link_b = {};                             ///< empty: the world
+  Pose X_AJ = {};                                      ///< J_A in link a
+  Pose X_BJ = {};                                      ///< J_B in link b
   Vec3 axis = {0, 0, 1};                               ///< unit, the same numbers in J_A and in J_B
   Vec3 axis2 = {0, 1, 0};                              ///< unit, in J_B (universal)
   double length = 0;                                   ///< m (distance), above zero
@@ -48,7 +48,7 @@ struct LoopSpec {
 
 /// A loop as it runs. Link indices are -1 for the world.
 struct Loop {
-  std::string name;
+  std::string name = {};
   LoopType type = LoopType::weld;
   int link_a = -1, link_b = -1;
   Pose X_AJ = {}, X_BJ = {};
