@@ -9,10 +9,10 @@
 //   revolute       5   p = 0, axis of A along axis of B
 //   prismatic      5   p along the axis, R = 1
 //   cylindrical    4   p along the axis, axis of A along axis of B
-//   planar         3   p across the axis, axis of A along axis of B
+//   planar         3   p at a right angle to the axis, axis of A along axis of B
 //   universal      4   p = 0, axis of A at a right angle to axis2 of B
 //   distance       1   |p| = length
-//   gear           1   x_a = c0 + c1 x_b + ... + c4 x_b^4 of the displacements of two freedoms
+//   gear           1   x_a = c0 + c1 x_b + ... + c4 x_b^4 of the coordinates of two freedoms (not of spherical or floating joints)
 
 #include <array>
 #include <cstdint>

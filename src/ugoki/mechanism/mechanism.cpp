@@ -101,9 +101,10 @@ void check_loop(const LoopSpec& loop, const MechanismSpec& spec, const LinkIndex
   if (loop.type == LoopType::gear) {
     const int freedoms[2] = {loop.freedom_a, loop.freedom_b};
     for (int i = 0; i < 2 && known; ++i)
-      if (!ends[i] || freedoms[i] < 0 || freedoms[i] >= ends[i]->joint.nv() || ends[i]->joint.type == JointType::floating)
-        add("its " + std::string(i == 0 ? "first" : "second") + " freedom is none of a joint with a displacement.",
-            "Name a link whose joint is not floating, and one of its freedoms, counted from 0.");
+      if (!ends[i] || freedoms[i] < 0 || freedoms[i] >= ends[i]->joint.nv() || ends[i]->joint.type == JointType::floating ||
+          ends[i]->joint.type == JointType::spherical)
+        add("its " + std::string(i == 0 ? "first" : "second") + " freedom is none of a joint with coordinates of its own.",
+            "Name a link whose joint is neither spherical nor floating, and one of its freedoms, counted from 0.");
     if (known && loop.link_a == loop.link_b && loop.freedom_a == loop.freedom_b)
       add("it couples a freedom with itself.", "Name two freedoms.");
     if (!std::ranges::all_of(loop.polynomial, [](double c) { return std::isfinite(c); }))
