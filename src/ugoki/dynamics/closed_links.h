@@ -1,0 +1,153 @@
+#pragma once
+// Closed link systems at a cost linear in the links: articulated bodies that carry the multipliers of the loops.
+//
+//   M vdot + b = tau + J^T lambda,   J vdot + dJ/dt v = 0            (paper, section 5, with multipliers)
+//
+// The recursion from the tips to the base keeps, beside the articulated inertia of each link, the columns P with which the
+// multipliers of the loops that are open there act on it, and the condensed matrix Lambda of these multipliers. At the link
+// where the two branches of a loop meet, its multipliers are eliminated (Cholesky with pivoting on its own block: rows that
+// depend on others get no multiplier) and stiffen the articulated inertia. So a loop costs what its own links cost, however
+// many loops there are beside it or in series; loops that meet at the world are eliminated in an order of least fill.
+// Source: Popov, Vereshchagin, Zenkevich (1978); Featherstone (2008), ch. 8, 9; Sathya & Carpentier (2024) for the elimination
+// on the way to the base.
+
+#include <span>
+#include <vector>
+
+#include "ugoki/dynamics/loop_rows.h"
+
+namespace ugoki::dynamics {
+
+/// Structure and scratch for one mechanism with loops; caller-owned, one a thread.
+class ClosedLinks {
+ public:
+  /// With the mechanism's own loops, those that are closed at the start.
+  explicit ClosedLinks(const Mechanism& m);
+  /// With these loops, of which those marked are closed. @param closed [loops]
+  /// @param rows [rows of all loops] 0 for rows to leave out because they always follow from others; empty: none
+  ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows = {});
+
+  [[nodiscard]] std::span<const Loop> loops() const { return loops_; }
+  [[nodiscard]] bool is_closed(int loop) const { return entry_of_loop_[static_cast<std::size_t>(loop)] >= 0; }
+  [[nodiscard]] const LoopRows& rows() const { return rows_; }
+  /// Multipliers of the last solve: N | N m (forces) or N s | N m s (impulses), zero for open loops. [rows().count()]
+  [[nodiscard]] std::span<const double> multipliers() const { return multipliers_; }
+  /// Independent rows found by the last factorization.
+  [[nodiscard]] int rank() const { return rank_; }
+  /// For each row of rows(): 1 if it took part in the last factorization as an independent one. [rows().count()]
+  [[nodiscard]] std::span<const char> independent() const { return independent_; }
+
+ private:
+  friend class ClosedSolver;
+  friend class ClosedAnalysis;
+
+  /// A closed loop.
+  struct Entry {
+    int loop;
+    int rows;      ///< that take part
+    int first;     ///< first of its multipliers in row_, g_, lambda_, Z_
+    int meeting;   ///< node where its branches meet
+    int P_a, P_b;  ///< its rows at its own links; -1: gears
+    int diagonal;  ///< its block in Lambda_
+    int C;         ///< first number of its factor in C_
+    int rank = 0;
+  };
+  /// A loop at a node. Loops that go on to the parent come first, in the order of entries.
+  struct Present {
+    int entry;
+    int P;         ///< first row in P_
+    int parent_P;  ///< where it goes on in the parent's rows; -1: it is eliminated here
+  };
+  struct Pair {
+    int block, a, b;  ///< Lambda_ block += d s_a s_b^T; a, b: first places in the node's s; rows of a, b
+    int rows_a, rows_b;
+  };
+  struct Neighbour {
+    int entry, block, Y, P;  ///< Lambda_ block (this, neighbour) or its transpose; place in Y_; row in P_ or -1
+    bool transposed;
+  };
+  struct Update {
+    int block, a, b;  ///< Lambda_ block (a, b) -= Y_a^T Y_b; a, b: places in the list of neighbours
+  };
+  struct Elimination {
+    int entry, P;
+    int neighbours, neighbour_count;
+    int updates, update_count;
+  };
+  struct Gear {
+    int freedom, s, loop;  ///< place in s_
+    bool second;           ///< the freedom is the loop's freedom b
+  };
+  struct Node {
+    int present = 0, present_count = 0, passing_count = 0;
+    int P = 0, P_rows = 0, passing_rows = 0;
+    int pairs = 0, pair_count = 0;
+    int eliminations = 0, elimination_count = 0;
+    int gears = 0, gear_count = 0;
+  };
+  /// Part of another link's inertia that a link without one of its own takes (virtual links).
+  struct Share {
+    int link, source;
+    double part;
+  };
+
+  std::vector<Loop> loops_;
+  std::vector<int> entry_of_loop_;  ///< [loops] -1: open
+  LoopRows rows_;
+
+  std::vector<Entry> entries_;
+  std::vector<int> row_;     ///< [multipliers] in rows_
+  std::vector<Node> nodes_;  ///< [links + 1], the last one is the world
+  std::vector<Present> present_;
+  std::vector<Pair> pairs_;
+  std::vector<Elimination> eliminations_;
+  std::vector<Neighbour> neighbours_;
+  std::vector<Update> updates_;
+  std::vector<Gear> gears_;
+  std::vector<int> s_start_;  ///< [nv]
+  std::vector<Share> shares_;
+
+  std::vector<Inertia> I_;  ///< [links] with the shares
+  std::vector<Vec6> P_;
+  std::vector<double> s_;
+  std::vector<double> Lambda_, reduced_;
+  std::vector<double> C_, Y_;
+  std::vector<int> pivots_;  ///< [multipliers] rows of a block in the order of their pivots
+  std::vector<Vec6> Z_;
+  std::vector<double> g_, z_, lambda_;
+  std::vector<double> multipliers_;
+  std::vector<char> independent_;
+  int rank_ = 0;
+};
+
+/// What a solve came to.
+enum class ClosedStatus : unsigned char {
+  ok,
+  singular_inertia,  ///< a joint moves nothing that has inertia
+  not_closed,        ///< the gap did not come down to rounding
+};
+
+/// Rows, articulated inertias and the condensed matrix of the closed loops, at what update_kinematics(q, v) left in `ws`.
+/// Uses ws.IA, U, d. O(links) for loops of bounded size. Allocates nothing.
+[[nodiscard]] ClosedStatus factor_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> q,
+                                               std::span<const double> v);
+
+/// Forward dynamics after factor_closed_links(). @param tau, external as in dynamics.h @param vdot [nv, out]
+/// The multipliers are the forces in the loops.
+void calc_closed_forward_dynamics(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> tau, const Vec3& gravity,
+                                  std::span<const Vec6> external, std::span<double> vdot);
+
+/// v <- v - M^-1 J^T (J M^-1 J^T)^-1 J v after factor_closed_links(): the velocity nearest to v, in kinetic energy, that opens no
+/// loop. It is what a sudden closing of the loops leaves of v; the multipliers are the impulses.
+void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> v);
+
+/// Moves q until the gaps are at rounding: Newton steps of least kinetic energy. Calls update_kinematics() with `v` and
+/// factors; leaves both at the final q.
+/// @param gap [out] greatest remaining gap, m | rad. @param limit of Newton steps
+[[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
+                                            std::span<const double> v, double& gap, int limit = 20);
+
+/// Greatest gap of the closed loops as the last update of the rows saw it, m | rad.
+[[nodiscard]] double greatest_gap(const ClosedLinks& closed);
+
+}  // namespace ugoki::dynamics

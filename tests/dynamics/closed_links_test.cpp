@@ -1,0 +1,292 @@
+// Closed link systems by articulated bodies with multipliers, against a dense solution in joint space.
+
+#include "ugoki/dynamics/closed_links.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "random_loops.h"
+
+namespace ugoki::dynamics {
+namespace {
+
+using testing::RandomLoops;
+using testing::RandomSource;
+
+constexpr Vec3 gravity{0, 0, -9.81};
+
+/// Solves A x = b, symmetric and perhaps rank-deficient but consistent, by elimination with full pivoting.
+/// @return the rank
+int solve_dense(std::vector<double> A, std::vector<double> b, std::vector<double>& x) {
+  const std::size_t n = b.size();
+  std::vector<std::size_t> column(n);
+  for (std::size_t i = 0; i < n; ++i) column[i] = i;
+  double first = 0;
+  std::size_t rank = 0;
+  for (; rank < n; ++rank) {
+    std::size_t r = rank, c = rank;
+    for (std::size_t i = rank; i < n; ++i)
+      for (std::size_t j = rank; j < n; ++j)
+        if (std::fabs(A[i * n + j]) > std::fabs(A[r * n + c])) r = i, c = j;
+    const double pivot = std::fabs(A[r * n + c]);
+    first = std::max(first, pivot);
+    if (!(pivot > 1e-11 * first)) break;
+    for (std::size_t j = 0; j < n; ++j) std::swap(A[r * n + j], A[rank * n + j]);
+    std::swap(b[r], b[rank]);
+    for (std::size_t i = 0; i < n; ++i) std::swap(A[i * n + c], A[i * n + rank]);
+    std::swap(column[c], column[rank]);
+    for (std::size_t i = rank + 1; i < n; ++i) {
+      const double f = A[i * n + rank] / A[rank * n + rank];
+      for (std::size_t j = rank; j < n; ++j) A[i * n + j] -= f * A[rank * n + j];
+      b[i] -= f * b[rank];
+    }
+  }
+  x.assign(n, 0.0);
+  for (std::size_t k = rank; k-- > 0;) {
+    double y = b[k];
+    for (std::size_t j = k + 1; j < rank; ++j) y -= A[k * n + j] * x[column[j]];
+    x[column[k]] = y / A[k * n + k];
+  }
+  return static_cast<int>(rank);
+}
+
+struct Dense {
+  std::vector<double> vdot, force;  ///< force = J^T lambda
+  int rank = 0;
+};
+
+/// M vdot - J^T lambda = tau - b, J vdot = -dJ/dt v.
+Dense solve_by_kkt(const Mechanism& m, const State& s, const std::vector<Loop>& loops, std::span<const char> closed) {
+  Workspace ws(m);
+  update_kinematics(m, s.q, s.v, ws);
+  LoopRows rows(loops);
+  update_loop_rows(m, ws, loops, s.q, s.v, rows);
+  std::vector<double> products(static_cast<std::size_t>(rows.count())), J;
+  calc_loop_velocity_products(m, ws, loops, rows, products);
+  const auto n = static_cast<std::size_t>(m.nv());
+  std::vector<double> rates, row(n);
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    for (int r = 0; closed[i] && r < loops[i].rows(); ++r) {
+      calc_loop_jacobian_row(m, ws, loops[i], rows, static_cast<int>(i), r, row);
+      J.insert(J.end(), row.begin(), row.end());
+      rates.push_back(products[static_cast<std::size_t>(rows.first[i] + r)]);
+    }
+  const std::size_t c = rates.size(), size = n + c;
+  std::vector<double> M(n * n), b(n), A(size * size), rhs(size), x;
+  calc_inertia_matrix(m, ws, M);
+  calc_inverse_dynamics(m, ws, {}, gravity, s.external, b);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) A[i * size + j] = M[i * n + j];
+    rhs[i] = s.tau[i] - b[i];
+  }
+  for (std::size_t k = 0; k < c; ++k) {
+    for (std::size_t j = 0; j < n; ++j) A[(n + k) * size + j] = A[j * size + n + k] = J[k * n + j];
+    rhs[n + k] = -rates[k];
+  }
+  Dense out;
+  out.rank = solve_dense(A, rhs, x) - static_cast<int>(n);
+  out.vdot.assign(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n));
+  out.force.assign(n, 0.0);
+  for (std::size_t k = 0; k < c; ++k)
+    for (std::size_t j = 0; j < n; ++j) out.force[j] -= J[k * n + j] * x[n + k];
+  return out;
+}
+
+double greatest_difference(std::span<const double> a, std::span<const double> b) {
+  double difference = 0, size = 1;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference = std::max(difference, std::fabs(a[i] - b[i]));
+    size = std::max(size, std::fabs(b[i]));
+  }
+  return difference / size;
+}
+
+TEST(ClosedLinks, ForwardDynamicsIsTheDenseSolution) {
+  for (unsigned seed = 1; seed < 200; ++seed) {
+    RandomLoops c(seed);
+    RandomSource random(seed + 5000);
+    for (double& t : c.state.tau) t = random.uniform(-20, 20);
+    for (Vec6& w : c.state.external) w = {random.vec(3), random.vec(10)};
+    std::vector<char> closed(c.loops.size());
+    const int count = 1 + random.below(4);
+    for (int i = 0; i < count; ++i) closed[static_cast<std::size_t>(random.below(static_cast<int>(closed.size())))] = 1;
+    Workspace ws(*c.m);
+    ClosedLinks links(*c.m, c.loops, closed);
+    // velocities that open no loop, as a closed system has them
+    update_kinematics(*c.m, c.state.q, c.state.v, ws);
+    ASSERT_EQ(factor_closed_links(*c.m, ws, links, c.state.q, c.state.v), ClosedStatus::ok);
+    project_velocity(*c.m, ws, links, c.state.v);
+    update_kinematics(*c.m, c.state.q, c.state.v, ws);
+    ASSERT_EQ(factor_closed_links(*c.m, ws, links, c.state.q, c.state.v), ClosedStatus::ok);
+    std::vector<double> vdot(c.state.v.size());
+    calc_closed_forward_dynamics(*c.m, ws, links, c.state.tau, gravity, c.state.external, vdot);
+    const Dense dense = solve_by_kkt(*c.m, c.state, c.loops, closed);
+    EXPECT_EQ(links.rank(), dense.rank) << "seed " << seed;
+    EXPECT_LT(greatest_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
+  }
+}
+
+TEST(ClosedLinks, MultipliersAreTheForcesInTheLoops) {
+  // The open tree under tau + J^T lambda accelerates as the closed system does.
+  for (unsigned seed = 1; seed < 100; ++seed) {
+    RandomLoops c(seed);
+    Workspace ws(*c.m);
+    std::vector<char> closed(c.loops.size(), 1);
+    closed[seed % closed.size()] = 0;
+    ClosedLinks links(*c.m, c.loops, closed);
+    update_kinematics(*c.m, c.state.q, c.state.v, ws);
+    ASSERT_EQ(factor_closed_links(*c.m, ws, links, c.state.q, c.state.v), ClosedStatus::ok);
+    project_velocity(*c.m, ws, links, c.state.v);
+    update_kinematics(*c.m, c.state.q, c.state.v, ws);
+    ASSERT_EQ(factor_closed_links(*c.m, ws, links, c.state.q, c.state.v), ClosedStatus::ok);
+    std::vector<double> vdot(c.state.v.size()), open(c.state.v.size()), tau = c.state.tau, J(c.state.v.size());
+    calc_closed_forward_dynamics(*c.m, ws, links, c.state.tau, gravity, c.state.external, vdot);
+    double size = 1;
+    for (std::size_t i = 0; i < c.loops.size(); ++i)
+      for (int r = 0; r < c.loops[i].rows(); ++r) {
+        const double lambda = links.multipliers()[static_cast<std::size_t>(links.rows().first[i] + r)];
+        if (!closed[i]) EXPECT_EQ(lambda, 0);
+        calc_loop_jacobian_row(*c.m, ws, c.loops[i], links.rows(), static_cast<int>(i), r, J);
+        for (std::size_t f = 0; f < J.size(); ++f) tau[f] += J[f] * lambda;
+        size = std::max(size, std::fabs(lambda));
+      }
+    ASSERT_TRUE(calc_forward_dynamics(*c.m, ws, tau, gravity, c.state.external, open));
+    EXPECT_LT(greatest_difference(vdot, open), 1e-10 * size) << "seed " << seed;
+  }
+}
+
+TEST(ClosedLinks, ClosingIsAnImpulseThatTakesEnergyAndOpensNothing) {
+  for (unsigned seed = 1; seed < 100; ++seed) {
+    RandomLoops c(seed);
+    Workspace ws(*c.m);
+    const std::vector<char> closed(c.loops.size(), 1);
+    ClosedLinks links(*c.m, c.loops, closed);
+    const std::vector<double> before = c.state.v;
+    update_kinematics(*c.m, c.state.q, c.state.v, ws);
+    std::vector<double> M(before.size() * before.size()), J(before.size());
+    calc_inertia_matrix(*c.m, ws, M);
+    const auto energy = [&](std::span<const double> v) {  // armature included
+      double twice = 0;
+      for (std::size_t i = 0; i < v.size(); ++i)
+        for (std::size_t j = 0; j < v.size(); ++j) twice += v[i] * M[i * v.size() + j] * v[j];
+      return twice / 2;
+    };
+    ASSERT_EQ(factor_closed_links(*c.m, ws, links, c.state.q, c.state.v), ClosedStatus::ok);
+    project_velocity(*c.m, ws, links, c.state.v);
+    // M (v' - v) = J^T impulse; J v' = 0; the energy lost is that of the velocity taken away
+    std::vector<double> momentum(before.size());
+    double lost = 0, rate = 0, size = 1;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      for (std::size_t j = 0; j < before.size(); ++j) momentum[i] += M[i * before.size() + j] * (c.state.v[j] - before[j]);
+      lost += 0.5 * momentum[i] * (c.state.v[i] - before[i]);
+      size = std::max(size, std::fabs(momentum[i]));
+    }
+    for (std::size_t i = 0; i < c.loops.size(); ++i)
+      for (int r = 0; r < c.loops[i].rows(); ++r) {
+        calc_loop_jacobian_row(*c.m, ws, c.loops[i], links.rows(), static_cast<int>(i), r, J);
+        const double impulse = links.multipliers()[static_cast<std::size_t>(links.rows().first[i] + r)];
+        double now = 0;
+        for (std::size_t f = 0; f < J.size(); ++f) {
+          momentum[f] -= J[f] * impulse;
+          now += J[f] * c.state.v[f];
+        }
+        rate = std::max(rate, std::fabs(now));
+      }
+    for (const double p : momentum) EXPECT_NEAR(p, 0, 1e-9 * size) << "seed " << seed;
+    EXPECT_LT(rate, 1e-9) << "seed " << seed;
+    EXPECT_NEAR(energy(before) - energy(c.state.v), lost, 1e-9 * (1 + energy(before))) << "seed " << seed;
+  }
+}
+
+TEST(ClosedLinks, PositionsCloseToRounding) {
+  int hard = 0;
+  for (unsigned seed = 1; seed < 200; ++seed) {
+    RandomLoops c(seed);
+    RandomSource random(seed + 7);
+    std::vector<char> closed(c.loops.size());
+    for (int i = 0; i < 2; ++i) closed[static_cast<std::size_t>(random.below(static_cast<int>(closed.size())))] = 1;
+    closed.back() = 0;
+    ClosedLinks links(*c.m, c.loops, closed);
+    Workspace ws(*c.m);
+    std::vector<double> away(c.state.v.size());
+    for (double& x : away) x = random.uniform(-0.02, 0.02);
+    integrate(*c.m, c.state.q, away, 1, c.state.q);
+    double gap = 0;
+    const ClosedStatus status = project_position(*c.m, ws, links, c.state.q, c.state.v, gap);
+    if (status != ClosedStatus::ok)
+      ++hard;
+    else
+      EXPECT_LT(gap, 1e-13) << "seed " << seed;
+  }
+  EXPECT_LE(hard, 4) << "near a singular position Newton's steps may not come down";
+}
+
+/// A planar four-bar linkage in space, cut at its last pin; with a virtual link or with a loop.
+MechanismSpec four_bar(bool virtual_link) {
+  MechanismSpec spec;
+  spec.name = "four-bar";
+  const auto bar = [&](const char* name, const char* parent, Vec3 at, double length) {
+    LinkSpec l;
+    l.name = name;
+    l.parent = parent;
+    l.joint.type = JointType::revolute;
+    l.joint.axis = {0, 1, 0};
+    l.joint.X_PJ.p = at;
+    l.inertia = Inertia::from_centre(length, {length / 2, 0, 0}, {0.001, length * length / 12, length * length / 12, 0, 0, 0});
+    spec.links.push_back(l);
+  };
+  bar("crank", "", {0, 0, 0}, 0.3);
+  bar("coupler", "crank", {0.3, 0, 0}, 1.0);
+  if (virtual_link) {
+    bar("rocker", "", {0.9, 0, 0}, 0.8);
+    bar("rocker again", "coupler", {1.0, 0, 0}, 1);
+    spec.links.back().inertia = {};
+    spec.links.back().real = "rocker";
+    spec.links.back().X_RV.p = {0.8, 0, 0};
+  } else {
+    bar("rocker", "", {0.9, 0, 0}, 0.8);
+    spec.loops.push_back({.name = "pin",
+                          .type = LoopType::revolute,
+                          .link_a = "rocker",
+                          .link_b = "coupler",
+                          .X_AJ = {Mat3::identity(), {0.8, 0, 0}},
+                          .X_BJ = {Mat3::identity(), {1.0, 0, 0}},
+                          .axis = {0, 1, 0}});
+  }
+  return spec;
+}
+
+TEST(ClosedLinks, VirtualLinkWithoutMassIsTheLoop) {
+  const MechanismPtr cut = *Mechanism::make(four_bar(true)), loop = *Mechanism::make(four_bar(false));
+  Workspace ws_cut(*cut), ws_loop(*loop);
+  ClosedLinks links_cut(*cut), links_loop(*loop);
+  State s(*loop);
+  s.q = {0.7, -0.4, -1.2};
+  s.v = {2, -0.5, 0.3};
+  double gap = 0;
+  ASSERT_EQ(project_position(*loop, ws_loop, links_loop, s.q, s.v, gap), ClosedStatus::ok);
+  EXPECT_EQ(links_loop.rank(), 2) << "three of the five rows follow from the others in a planar loop";
+  project_velocity(*loop, ws_loop, links_loop, s.v);
+  State t(*cut);
+  std::ranges::copy(s.q, t.q.begin());
+  std::ranges::copy(s.v, t.v.begin());
+  t.q[3] = s.q[2] - s.q[0] - s.q[1];
+  t.v[3] = s.v[2] - s.v[0] - s.v[1];
+  ASSERT_EQ(project_position(*cut, ws_cut, links_cut, t.q, t.v, gap), ClosedStatus::ok);
+  EXPECT_EQ(links_cut.rank(), 3);
+  update_kinematics(*cut, t.q, t.v, ws_cut);
+  update_kinematics(*loop, s.q, s.v, ws_loop);
+  ASSERT_EQ(factor_closed_links(*cut, ws_cut, links_cut, t.q, t.v), ClosedStatus::ok);
+  ASSERT_EQ(factor_closed_links(*loop, ws_loop, links_loop, s.q, s.v), ClosedStatus::ok);
+  s.tau[0] = 3;
+  t.tau[0] = 3;
+  std::vector<double> a(3), b(4);
+  calc_closed_forward_dynamics(*loop, ws_loop, links_loop, s.tau, gravity, {}, a);
+  calc_closed_forward_dynamics(*cut, ws_cut, links_cut, t.tau, gravity, {}, b);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-10 * (1 + std::fabs(a[i])));
+}
+
+}  // namespace
+}  // namespace ugoki::dynamics

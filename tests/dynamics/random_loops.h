@@ -1,0 +1,60 @@
+#pragma once
+// Random trees of links with loops of every type.
+
+#include <vector>
+
+#include "random_mechanism.h"
+#include "ugoki/dynamics/dynamics.h"
+
+namespace ugoki::testing {
+
+inline constexpr LoopType all_types[] = {LoopType::weld,      LoopType::ball,        LoopType::revolute,
+                                         LoopType::prismatic, LoopType::cylindrical, LoopType::planar,
+                                         LoopType::universal, LoopType::distance,    LoopType::gear};
+
+/// A tree with one loop of each type, whose frames meet at the state `at`, so that all gaps are zero there.
+struct RandomLoops {
+  MechanismPtr m;
+  State state;
+  std::vector<Loop> loops;
+
+  explicit RandomLoops(unsigned seed, bool closed = true) {
+    RandomSource random(seed);
+    m = *Mechanism::make(random_spec(random, 12));
+    state = State(*m);
+    randomize(random, *m, state);
+    dynamics::Workspace ws(*m);
+    dynamics::update_kinematics(*m, state.q, state.v, ws);
+    for (const LoopType type : all_types) {
+      Loop l{.type = type, .link_a = random.below(3) == 0 ? -1 : random.below(12)};
+      do {
+        l.link_b = random.below(12);
+      } while (l.link_b == l.link_a);
+      const Pose X_WJ{random.rotation(), random.vec(1)};
+      const Pose X_WA = l.link_a < 0 ? Pose{} : ws.X_WB[static_cast<std::size_t>(l.link_a)];
+      Pose X_B = ws.X_WB[static_cast<std::size_t>(l.link_b)].inverse() * X_WJ;
+      l.X_AJ = X_WA.inverse() * X_WJ;
+      l.axis = random.direction();
+      l.axis2 = normalized(cross(l.axis, random.direction()));
+      l.length = 0.7;
+      if (type == LoopType::distance) X_B.p += ws.X_WB[static_cast<std::size_t>(l.link_b)].R.transposed() * (random.direction() * 0.7);
+      if (type == LoopType::gear) {
+        l.freedom_a = coordinate_freedom(m->nv() - 1);
+        l.freedom_b = coordinate_freedom(l.freedom_a - 1);
+        l.polynomial = {0.3, -2, 0.5, 0.1, -0.2};
+      }
+      if (!closed) X_B = X_B * Pose{to_matrix(exp_map(random.vec(0.3))), random.vec(0.2)};
+      l.X_BJ = X_B;
+      loops.push_back(l);
+    }
+  }
+
+  /// The last freedom up to f that is a coordinate of its own.
+  int coordinate_freedom(int f) const {
+    const auto type = [&] { return m->link(m->link_of_freedom(f)).joint.type; };
+    while (f > 0 && (type() == JointType::spherical || type() == JointType::floating)) --f;
+    return f;
+  }
+};
+
+}  // namespace ugoki::testing
