@@ -43,8 +43,29 @@ Result<double> write_back(const MeasuredMotion& measured, const std::string& pat
   return worst;
 }
 
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return a == b || fs::equivalent(a, b, ignored);
+}
+
+/// Where the copy of a measured file goes: in a folder its own name, numbered when this run has written one of that name.
+Result<std::string> copy_path(const std::string& path, const Options& options, const std::vector<std::string>& written) {
+  std::error_code ignored;
+  std::string out = options.bvh;
+  if (fs::is_directory(options.bvh, ignored)) {
+    const std::string stem = fs::path(path).stem().string();
+    const auto taken = [&] { return std::ranges::any_of(written, [&](const std::string& w) { return same_file(w, out); }); };
+    out = (fs::path(options.bvh) / (stem + ".bvh")).string();
+    for (int number = 2; taken(); ++number) out = (fs::path(options.bvh) / (stem + "-" + std::to_string(number) + ".bvh")).string();
+  }
+  for (const std::string& file : options.files)
+    if (same_file(out, file)) return fail(ErrorCode::conflict, out, "This is a file that is imported.", "Write the copies elsewhere.");
+  return out;
+}
+
 /// One file, wholly or not at all.
-Result<Json> import_one(const std::string& path, const Options& options, store::Library* library) {
+/// @param written copies of this run; the new one is added
+Result<Json> import_one(const std::string& path, const Options& options, store::Library* library, std::vector<std::string>& written) {
   Result<intake::Intake> taken = take_in_file(path, options.source);
   if (!taken) return fail(std::move(taken.error()));
   Json row = {{"file", path}, {"name", taken->items.front().name}};
@@ -63,14 +84,12 @@ Result<Json> import_one(const std::string& path, const Options& options, store::
   if (taken->body) row["human"] = taken->body->human;
   if (taken->metres_per_unit > 0) row["metres_per_unit"] = taken->metres_per_unit;
   if (!options.bvh.empty() && taken->measured) {
-    std::error_code ignored;
-    const std::string out =
-        fs::is_directory(options.bvh, ignored) ? (fs::path(options.bvh) / (fs::path(path).stem().string() + ".bvh")).string() : options.bvh;
-    if (fs::equivalent(out, path, ignored))
-      return fail(ErrorCode::conflict, out, "This is the file that is imported.", "Write the copy elsewhere.");
-    const Result<double> error = write_back(*taken->measured, out);
+    const Result<std::string> out = copy_path(path, options, written);
+    if (!out) return fail(out.error());
+    const Result<double> error = write_back(*taken->measured, *out);
     if (!error) return fail(error.error());
-    row["bvh"] = out;
+    written.push_back(*out);
+    row["bvh"] = *out;
     row["bvh_error_m"] = *error;
   }
   if (library) {
@@ -98,11 +117,12 @@ int run_import(const Options& options) {
   }
   Json files = Json::array(), errors = Json::array();
   std::vector<std::vector<std::string>> table = {{"name", "frames", "joints", "s", "1/s", "height m", "mass kg", "freedoms", "motion"}};
+  std::vector<std::string> copies;
   Progress progress("import");
   bool failed = false;
   for (std::size_t i = 0; i < options.files.size(); ++i) {
     progress.show(static_cast<double>(i) / static_cast<double>(options.files.size()));
-    Result<Json> row = interrupted() ? fail(interrupted_error()) : import_one(options.files[i], options, library.get());
+    Result<Json> row = interrupted() ? fail(interrupted_error()) : import_one(options.files[i], options, library.get(), copies);
     if (!row) {
       failed = true;
       progress.clear();

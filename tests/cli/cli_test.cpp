@@ -138,6 +138,26 @@ TEST_F(CliTest, ImportPrintsAndStores) {
   EXPECT_NE(table.find("walk"), std::string::npos);
 }
 
+TEST_F(CliTest, CopiesOfOneNameDoNotReplaceEachOther) {
+  for (const char* name : {"a", "b", "out"}) fs::create_directory(folder_ + "/" + name);
+  const std::string first = walk("a/walk.bvh"), second = write("b/walk.bvh", formats::write_bvh(samples::make_human_stand()));
+  const std::string out = folder_ + "/out";
+  const Json j = json({"import", first, second, "--bvh", out, "--dry-run"});
+  ASSERT_EQ(j["files"].size(), 2u);
+  EXPECT_EQ(j["files"][0]["bvh"], out + "/walk.bvh");
+  EXPECT_EQ(j["files"][1]["bvh"], out + "/walk-2.bvh");
+  for (std::size_t i = 0; i < 2; ++i) {
+    const auto copy = formats::read_bvh(read(j["files"][i]["bvh"]), "copy");
+    ASSERT_TRUE(copy) << copy.error().text();
+    EXPECT_EQ(copy->frames, j["files"][i]["frames"]);
+  }
+  // A second run replaces what the first one wrote, and a file that is imported is never written to.
+  EXPECT_EQ(json({"import", first, "--bvh", out, "--dry-run"})["files"][0]["bvh"], out + "/walk.bvh");
+  const std::string before = read(first);
+  fails({"import", second, first, "--bvh", folder_ + "/a", "--dry-run"}, "a/walk.bvh");
+  EXPECT_EQ(read(first), before);
+}
+
 TEST_F(CliTest, BadFilesLeaveTheLibraryAsItWas) {
   json({"import", walk()});
   const std::string good = read(folder_ + "/walk.bvh"), listed = ugoki({"db", "list"}).out;
