@@ -132,6 +132,10 @@ void XmlFields::problem(pugi::xml_node node, ErrorCode code, std::string message
   problem(line(node), code, std::move(message), std::move(remedy));
 }
 
+void XmlFields::problem(const XmlField& field, ErrorCode code, const std::string& message, std::string remedy) {
+  problem(line(field), code, what(field) + message, std::move(remedy));
+}
+
 void XmlFields::note(pugi::xml_node node, std::string sentence) {
   const auto [it, is_new] = note_index_.emplace(std::move(sentence), notes_.size());
   if (is_new) notes_.push_back({it->first, {}, 0});
@@ -142,10 +146,11 @@ void XmlFields::note(pugi::xml_node node, std::string sentence) {
 void XmlFields::note(std::string sentence) { note(pugi::xml_node(), std::move(sentence)); }
 
 std::vector<std::string> XmlFields::take_notes() {
+  const std::string short_name = file_.substr(file_.find_last_of("/\\") + 1);
   std::vector<std::string> out;
   for (Note& n : notes_) {
     std::string text = std::move(n.sentence);
-    for (std::size_t i = 0; i < n.lines.size(); ++i) text += (i == 0 ? " (" + file_ + ":" : ", ") + std::to_string(n.lines[i]);
+    for (std::size_t i = 0; i < n.lines.size(); ++i) text += (i == 0 ? " (" + short_name + ":" : ", ") + std::to_string(n.lines[i]);
     if (n.count > n.lines.size() && !n.lines.empty()) text += " and " + std::to_string(n.count - n.lines.size()) + " more";
     out.push_back(n.lines.empty() ? text : text + ")");
   }
@@ -163,25 +168,32 @@ void XmlFields::note_unread(pugi::xml_node node, std::initializer_list<std::stri
 
 XmlField XmlFields::attribute(pugi::xml_node node, const char* name) const {
   const pugi::xml_attribute a = node.attribute(name);
-  return {trimmed(a.value()), a ? line(a) : line(node), "'" + std::string(name) + "' of " + title(node), static_cast<bool>(a)};
+  return {trimmed(a.value()), static_cast<bool>(a), node, a, name};
 }
 
 XmlField XmlFields::element(pugi::xml_node node, const char* name) const {
   const pugi::xml_node child = node.child(name);
-  return {trimmed(child.child_value()), line(child ? child : node), "<" + std::string(name) + "> of " + title(node),
-          static_cast<bool>(child)};
+  return {trimmed(child.child_value()), static_cast<bool>(child), node, {}, name};
 }
 
-XmlField XmlFields::content(pugi::xml_node node) const {
-  return {trimmed(node.child_value()), line(node), title(node), static_cast<bool>(node)};
+XmlField XmlFields::content(pugi::xml_node node) const { return {trimmed(node.child_value()), static_cast<bool>(node), node, {}, ""}; }
+
+int XmlFields::line(const XmlField& field) const {
+  if (field.attribute) return line(field.attribute);
+  const pugi::xml_node child = *field.name ? field.node.child(field.name) : field.node;
+  return line(child ? child : field.node);
+}
+
+std::string XmlFields::what(const XmlField& field) const {
+  if (!*field.name) return title(field.node);
+  const bool is_attribute = field.attribute || !field.node.child(field.name);
+  return (is_attribute ? "'" + std::string(field.name) + "'" : "<" + std::string(field.name) + ">") + " of " + title(field.node);
 }
 
 std::string XmlFields::text(const XmlField& field) const { return formats::utf8(field.text); }
 
-std::string XmlFields::required_text(pugi::xml_node node, const XmlField& field) {
-  if (field.text.empty())
-    problem(field.present ? field.line : line(node), ErrorCode::syntax, field.what + (field.present ? " is empty." : " is missing."),
-            "Add it.");
+std::string XmlFields::required_text(const XmlField& field) {
+  if (field.text.empty()) problem(field, ErrorCode::syntax, field.present ? " is empty." : " is missing.", "Add it.");
   return text(field);
 }
 
@@ -189,11 +201,11 @@ std::optional<double> XmlFields::one_number(const XmlField& field, std::string_v
   const std::optional<double> value = formats::measured_number(token);
   if (!value) {
     formats::NumberFault fault = formats::number_fault(token);
-    problem(field.line, fault.code, field.what + ": " + fault.message, std::move(fault.remedy));
+    problem(field, fault.code, ": " + fault.message, std::move(fault.remedy));
     return std::nullopt;
   }
   if (!(*value >= bounds.low && *value <= bounds.high)) {
-    problem(field.line, ErrorCode::range, field.what + ": " + formats::in_quotes(token) + " is out of range.",
+    problem(field, ErrorCode::range, ": " + formats::in_quotes(token) + " is out of range.",
             "Give a number between " + to_text(bounds.low) + " and " + to_text(bounds.high) + ".");
     return std::nullopt;
   }
@@ -220,8 +232,8 @@ int XmlFields::integer(const XmlField& field, int fallback, int low, int high) {
   if (!field.present) return fallback;
   const std::optional<long> value = parse_long(field.text);
   if (value && *value >= low && *value <= high) return static_cast<int>(*value);
-  problem(field.line, value ? ErrorCode::range : ErrorCode::syntax,
-          field.what + ": " + formats::in_quotes(field.text) + (value ? " is out of range." : " is not a whole number."),
+  problem(field, value ? ErrorCode::range : ErrorCode::syntax,
+          ": " + formats::in_quotes(field.text) + (value ? " is out of range." : " is not a whole number."),
           "Give a whole number between " + std::to_string(low) + " and " + std::to_string(high) + ".");
   return fallback;
 }
@@ -230,8 +242,7 @@ bool XmlFields::flag(const XmlField& field, bool fallback) {
   if (!field.present) return fallback;
   if (field.text == "1" || formats::equal_ignoring_case(field.text, "true")) return true;
   if (field.text == "0" || formats::equal_ignoring_case(field.text, "false")) return false;
-  problem(field.line, ErrorCode::syntax, field.what + ": " + formats::in_quotes(field.text) + " is neither true nor false.",
-          "Write true or false.");
+  problem(field, ErrorCode::syntax, ": " + formats::in_quotes(field.text) + " is neither true nor false.", "Write true or false.");
   return fallback;
 }
 
@@ -248,7 +259,7 @@ std::vector<double> XmlFields::list(const XmlField& field, std::size_t least, st
   }
   if (count >= least && count <= most) return out;
   const std::string wanted = least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
-  problem(field.line, ErrorCode::syntax, field.what + (count > most ? " has more than " : " has fewer than ") + wanted + " numbers.",
+  problem(field, ErrorCode::syntax, std::string(count > most ? " has more than " : " has fewer than ") + wanted + " numbers.",
           "Give " + wanted + " numbers, separated by blanks.");
   return {};
 }
@@ -269,7 +280,7 @@ Vec3 XmlFields::direction(const XmlField& field, const Vec3& fallback) {
   const Vec3 v = vec3(field, fallback);
   const double length = norm(v);
   if (length >= 1e-9) return v / length;
-  problem(field.line, ErrorCode::structure, field.what + " has no direction.", "Give a vector that is not zero.");
+  problem(field, ErrorCode::structure, " has no direction.", "Give a vector that is not zero.");
   return fallback;
 }
 

@@ -26,12 +26,13 @@ inline constexpr std::size_t max_text = std::size_t{1} << 28;
 inline constexpr int max_levels = 2'000;
 inline constexpr int max_attributes = 200;
 
-/// The text of an attribute or of an element, where it stands, and what to call it: "mass of <link> 'foot'".
+/// The text of an attribute or of an element. Where it stands and what it is called is worked out only for a problem.
 struct XmlField {
   std::string_view text = {};  ///< without blanks at its ends
-  int line = 0;
-  std::string what = {};
   bool present = false;
+  pugi::xml_node node = {};            ///< the element that has it
+  pugi::xml_attribute attribute = {};  ///< where it is one
+  const char* name = "";               ///< of the attribute or of the element inside `node`; empty: the node's own text
 };
 
 /// Bounds of a number, both allowed.
@@ -52,13 +53,19 @@ class XmlFields {
 
   [[nodiscard]] int line(pugi::xml_node node) const;
   [[nodiscard]] int line(pugi::xml_attribute attribute) const;
+  [[nodiscard]] int line(const XmlField& field) const;
   /// "arm.urdf:17"
   [[nodiscard]] std::string place(pugi::xml_node node) const;
   /// "<joint> 'left_knee'": its element and, if it has one, its name.
   [[nodiscard]] std::string title(pugi::xml_node node) const;
 
+  /// "'mass' of <inertial>": for messages.
+  [[nodiscard]] std::string what(const XmlField& field) const;
+
   void problem(int line, ErrorCode code, std::string message, std::string remedy);
   void problem(pugi::xml_node node, ErrorCode code, std::string message, std::string remedy);
+  /// The message begins with what the field is: "'mass' of <inertial>" + message.
+  void problem(const XmlField& field, ErrorCode code, const std::string& message, std::string remedy);
   /// So many problems that looking for more is of no use.
   [[nodiscard]] bool full() const { return problems_.full(); }
   [[nodiscard]] bool failed() const { return !problems_.empty(); }
@@ -81,7 +88,7 @@ class XmlFields {
   /// Valid UTF-8; empty where the field is absent.
   [[nodiscard]] std::string text(const XmlField& field) const;
   /// The same, and a problem where it is absent or empty.
-  [[nodiscard]] std::string required_text(pugi::xml_node node, const XmlField& field);
+  [[nodiscard]] std::string required_text(const XmlField& field);
   /// `fallback` where the field is absent; a problem (and `fallback`) where it is no number within the bounds.
   [[nodiscard]] double number(const XmlField& field, double fallback, Bounds bounds = {});
   /// A limit: any finite number or inf; from +-1e9 on it is none, that is +-infinity.

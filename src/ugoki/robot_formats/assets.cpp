@@ -1,0 +1,74 @@
+#include "ugoki/robot_formats/assets.h"
+
+#include "ugoki/base/number.h"
+#include "ugoki/robot_formats/mesh_file.h"
+
+namespace ugoki::robot_formats {
+namespace {
+
+constexpr std::size_t most_parts = 12;                    // folders above, and parts of a path, that are tried
+constexpr std::size_t most_bytes = std::size_t{1} << 31;  // of all meshes of a description
+constexpr int most_absent = 500;                          // absent files that are looked for
+
+/// The folder of the file, and each above it: "a/c.urdf" gives "a/", "", "../", "../../" ...
+std::vector<std::string> folders_above(std::string_view file_name) {
+  std::vector<std::string> out;
+  std::size_t slash = file_name.rfind('/');
+  while (slash != std::string_view::npos && out.size() < most_parts) {
+    out.emplace_back(file_name.substr(0, slash + 1));
+    if (slash == 0) return out;
+    slash = file_name.rfind('/', slash - 1);
+  }
+  for (std::string above; !file_name.starts_with('/') && out.size() < most_parts; above += "../") out.push_back(above);
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> places_of(std::string_view uri, std::string_view file_name) {
+  std::string_view path = uri;
+  bool searched = false;
+  for (const std::string_view scheme : {"package://", "model://", "file://"}) {
+    if (!uri.starts_with(scheme)) continue;
+    path.remove_prefix(scheme.size());
+    searched = scheme != "file://";
+  }
+  if (path.empty() || path.find("://") != std::string_view::npos) return {};
+  const std::vector<std::string> folders = folders_above(file_name);
+  if (!searched) return {path.starts_with('/') ? std::string(path) : (folders.empty() ? "" : folders.front()) + std::string(path)};
+  while (path.starts_with('/')) path.remove_prefix(1);
+  std::vector<std::string> out;
+  for (std::size_t part = 0; part < most_parts && !path.empty(); ++part) {
+    const bool bare = path.find('/') == std::string_view::npos;  // a name alone is looked for beside the description only
+    for (std::size_t i = 0; i < (bare ? 1 : folders.size()); ++i) out.push_back(folders[i] + std::string(path));
+    if (bare) break;
+    path.remove_prefix(path.find('/') + 1);
+    while (path.starts_with('/')) path.remove_prefix(1);
+  }
+  return out;
+}
+
+const Result<std::optional<Shape>>& Assets::mesh_box(const std::string& uri, const Vec3& scale) {
+  const std::string key = uri + " " + to_text(scale.x) + " " + to_text(scale.y) + " " + to_text(scale.z);
+  if (const auto it = boxes_.find(key); it != boxes_.end()) return it->second;
+  return boxes_.emplace(key, read_box(uri, scale)).first->second;
+}
+
+Result<std::optional<Shape>> Assets::read_box(const std::string& uri, const Vec3& scale) {
+  if (!read_ || absent_ >= most_absent) return std::nullopt;
+  for (const std::string& path : places_of(uri, file_name_)) {
+    const Result<std::string> bytes = read_(path);
+    if (!bytes) continue;
+    bytes_ += bytes->size();
+    if (bytes_ > most_bytes)
+      return fail(ErrorCode::range, path, "the meshes of this description have more than 2 GB.", "Leave them out, or reduce them.");
+    Result<MeshFile> mesh = read_mesh(*bytes, path);
+    if (!mesh) return fail(std::move(mesh.error()));
+    for (Vec3& p : mesh->points) p = {p.x * scale.x, p.y * scale.y, p.z * scale.z};
+    return box_around(mesh->points);
+  }
+  ++absent_;
+  return std::nullopt;
+}
+
+}  // namespace ugoki::robot_formats

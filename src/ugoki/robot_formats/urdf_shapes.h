@@ -1,0 +1,25 @@
+#pragma once
+// Shapes of a URDF link; internal to robot_formats.
+
+#include <optional>
+#include <vector>
+
+#include "ugoki/robot_formats/assets.h"
+#include "ugoki/robot_formats/shape_fit.h"
+#include "ugoki/robot_formats/xml_fields.h"
+
+namespace ugoki::robot_formats {
+
+/// `<origin xyz rpy>` of the node; none is the identity.
+[[nodiscard]] Pose urdf_origin(XmlFields& xml, pugi::xml_node node);
+
+/// The shapes of its `<collision>` elements, to collide and to be seen; a link that has none gets those of its `<visual>`
+/// elements, to be seen only.
+[[nodiscard]] std::vector<Shape> read_urdf_shapes(XmlFields& xml, pugi::xml_node link, const std::optional<SpinAxis>& spin, Meshes meshes,
+                                                  Assets& assets);
+
+/// The box around a mesh; nothing, with a note or a problem, where it cannot be had.
+[[nodiscard]] std::optional<Shape> mesh_shape(XmlFields& xml, pugi::xml_node mesh, const std::string& uri, const Vec3& scale, bool collides,
+                                              Meshes meshes, Assets& assets);
+
+}  // namespace ugoki::robot_formats
