@@ -10,6 +10,25 @@
 
 namespace ugoki::dynamics {
 
+// From the state alone. These neither read nor write what update_kinematics() leaves in `ws`; they are the fastest, and in
+// the frames of the links, so that they keep their digits however far a link is from the base.
+
+/// Joint forces that produce `vdot` (recursive Newton-Euler); an empty `vdot` means zero: then tau = b. O(links).
+/// @param tau [nv, out] must not alias an input
+void calc_inverse_dynamics(const Mechanism& m, Workspace& ws, std::span<const double> q, std::span<const double> v,
+                           std::span<const double> vdot, const Vec3& gravity, std::span<const Vec6> external, std::span<double> tau);
+
+/// Accelerations (articulated bodies). O(links). @param vdot [nv, out] must not alias an input
+/// @return false where an articulated inertia is singular
+[[nodiscard]] bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const double> q, std::span<const double> v,
+                                         std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external,
+                                         std::span<double> vdot);
+
+/// Inertia matrix as chain rows in ws.M (composite rigid bodies). O(nv depth).
+void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double> q);
+
+// In stages, on the quantities that update_kinematics() leaves in `ws`.
+
 /// Poses, motion subspaces, velocities and inertias of all links. The other functions work on what this left in `ws`.
 void update_kinematics(const Mechanism& m, std::span<const double> q, std::span<const double> v, Workspace& ws);
 
@@ -23,6 +42,8 @@ void calc_inertia_rows(const Mechanism& m, Workspace& ws);
 
 /// The same as a full matrix. @param M [nv * nv, out]
 void calc_inertia_matrix(const Mechanism& m, Workspace& ws, std::span<double> M);
+/// ws.M as a full matrix. @param M [nv * nv, out]
+void copy_inertia_rows(const Workspace& ws, std::span<double> M);
 
 /// Factors ws.M + diag(extra) = L^T D L without fill-in. @param extra [nv] or empty
 /// @return the freedom whose pivot is not positive (a link that has no inertia there), or -1

@@ -6,6 +6,7 @@
 namespace ugoki::dynamics {
 
 void calc_inertia_rows(const Mechanism& m, Workspace& ws) {
+  if (ws.chain.empty()) ws.make_rows(m);
   const std::span<const Link> links = m.links();
   for (std::size_t i = 0; i < links.size(); ++i) ws.Ic[i] = ws.I[i];
   for (std::size_t i = links.size(); i-- > 0;) {
@@ -27,6 +28,11 @@ void calc_inertia_matrix(const Mechanism& m, Workspace& ws, std::span<double> M)
   const auto n = static_cast<std::size_t>(m.nv());
   UGOKI_CHECK(M.size() == n * n);
   calc_inertia_rows(m, ws);
+  copy_inertia_rows(ws, M);
+}
+
+void copy_inertia_rows(const Workspace& ws, std::span<double> M) {
+  const std::size_t n = ws.depth.size();
   for (double& x : M) x = 0;
   for (std::size_t i = 0; i < n; ++i) {
     for (int e = ws.row_start[i]; e < ws.row_start[i + 1]; ++e) {

@@ -1,28 +1,33 @@
 #include "ugoki/dynamics/workspace.h"
 
-namespace ugoki::dynamics {
+#include <algorithm>
+#include <limits>
 
-Workspace::Workspace(const Mechanism& m) {
+#include "ugoki/base/check.h"
+#include "ugoki/dynamics/kernels.h"
+
+namespace ugoki::dynamics {
+namespace {
+constexpr std::size_t too_many_entries = std::numeric_limits<int>::max();
+}
+
+Workspace::Workspace(const Mechanism& m) : program(m) {
   const auto n = static_cast<std::size_t>(m.nv());
   const auto links = static_cast<std::size_t>(m.link_count());
   depth.resize(n);
   row_start.resize(n + 1);
   freedoms.resize(n);
+  std::size_t entries = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const int parent = m.freedom_parents()[i];
     depth[i] = parent < 0 ? 0 : depth[static_cast<std::size_t>(parent)] + 1;
-    row_start[i] = static_cast<int>(chain.size());
-    if (parent >= 0) {
-      const auto p = static_cast<std::size_t>(parent);
-      for (int k = 0; k <= depth[p]; ++k) {
-        const int freedom = chain[static_cast<std::size_t>(row_start[p] + k)];
-        chain.push_back(freedom);
-      }
-    }
-    chain.push_back(static_cast<int>(i));
+    row_start[i] = static_cast<int>(std::min(entries, too_many_entries));
+    entries += static_cast<std::size_t>(depth[i]) + 1;
     freedoms[i] = m.freedom(static_cast<int>(i));
   }
-  row_start[n] = static_cast<int>(chain.size());
+  row_start[n] = static_cast<int>(std::min(entries, too_many_entries));
+  if (entries <= 1'000'000) make_rows(m);
+  scratch.resize((scratch_size(program, sizeof(double), 1) + sizeof(CacheLine) - 1) / sizeof(CacheLine));
   link_chain.resize(links);
   for (std::size_t i = 0; i < links; ++i) {
     const Link& l = m.links()[i];
@@ -43,9 +48,21 @@ Workspace::Workspace(const Mechanism& m) {
   u.resize(n);
   q1.resize(static_cast<std::size_t>(m.nq()));
   for (std::vector<double>* x : {&v1, &vdot, &bias, &k_q, &k_v, &sum_q, &sum_v}) x->resize(n);
-  M.resize(chain.size());
-  L.resize(chain.size());
   D_inverse.resize(n);
+}
+
+void Workspace::make_rows(const Mechanism& m) {
+  const auto entries = static_cast<std::size_t>(row_start.back());
+  UGOKI_CHECK(entries < too_many_entries);
+  chain.resize(entries);
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    int* const row = chain.data() + row_start[i];
+    if (const int parent = m.freedom_parents()[i]; parent >= 0)
+      std::copy_n(chain.data() + row_start[static_cast<std::size_t>(parent)], depth[i], row);
+    row[depth[i]] = static_cast<int>(i);
+  }
+  M.resize(entries);
+  L.resize(entries);
 }
 
 }  // namespace ugoki::dynamics

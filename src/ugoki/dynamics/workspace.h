@@ -1,15 +1,16 @@
 #pragma once
 // Scratch memory of the dynamics algorithms for one mechanism; caller-owned, sized once, one a thread.
 //
-// All spatial quantities are in world axes about ONE reference point p0 (the first link's origin), so that the
-// recursions need no transforms between links. The tree of freedoms is kept as root-first chains: row i of the inertia
-// matrix and of its factor has an entry for each freedom on the path from the base to i, and the chain of an ancestor is a
-// prefix of it, so the inner loops run over contiguous memory.
+// All spatial quantities that update_kinematics() leaves here are in world axes about ONE reference point p0 (the first link's origin), so
+// that the recursions need no transforms between links. The tree of freedoms is kept as root-first chains: row i of the inertia matrix and
+// of its factor has an entry for each freedom on the path from the base to i, and the chain of an ancestor is a prefix of it, so the inner
+// loops run over contiguous memory.
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
-#include "ugoki/mechanism/mechanism.h"
+#include "ugoki/dynamics/link_program.h"
 
 namespace ugoki::dynamics {
 
@@ -20,10 +21,20 @@ struct ArticulatedInertia {
   Sym3 M;
 };
 
+/// A piece of memory that starts a cache line.
+struct alignas(64) CacheLine {
+  std::byte bytes[64];
+};
+
 struct Workspace {
   explicit Workspace(const Mechanism& mechanism);
 
+  /// Sizes `chain`, M and L, which take O(nv depth) memory. The constructor does it up to a million entries, and
+  /// calc_inertia_rows() where it was not done yet.
+  void make_rows(const Mechanism& mechanism);
+
   // From the mechanism
+  LinkProgram program;            ///< what the fast kernels run
   std::vector<int> depth;         ///< [nv] freedoms above freedom i
   std::vector<int> row_start;     ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
   std::vector<int> chain;         ///< freedoms from the base to i, i included
@@ -50,6 +61,8 @@ struct Workspace {
   std::vector<double> M;          ///< calc_inertia_rows()
   std::vector<double> L;          ///< factor(): unit lower factor; the diagonal entries hold D
   std::vector<double> D_inverse;  ///< [nv]
+
+  std::vector<CacheLine> scratch;  ///< of the functions that start from q and v
 
   // Stages of the integrators
   std::vector<double> q1, v1, vdot, bias;      ///< [nq], [nv] ...

@@ -1,0 +1,282 @@
+#pragma once
+// Vectors, inertias and articulated inertias across one joint. Templates on the scalar T, for kernels_*.cpp only.
+
+#include "ugoki/dynamics/kernels.h"
+#include "ugoki/spatial/lanes_elementary.h"
+#include "ugoki/spatial/spatial.h"
+
+namespace ugoki::dynamics {
+namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
+
+#define UGOKI_INLINE inline __attribute__((always_inline))
+
+template <class T>
+using V3 = Vec3T<T>;
+
+template <class T>
+UGOKI_INLINE V3<T> vector_of(const typename T::Real* p) {
+  return {T(p[0]), T(p[1]), T(p[2])};
+}
+template <class T>
+UGOKI_INLINE Sym3T<T> symmetric_of(const typename T::Real* p) {
+  return {T(p[0]), T(p[1]), T(p[2]), T(p[3]), T(p[4]), T(p[5])};
+}
+template <class T>
+UGOKI_INLINE Mat3T<T> matrix_of(const typename T::Real* p) {
+  return {T(p[0]), T(p[1]), T(p[2]), T(p[3]), T(p[4]), T(p[5]), T(p[6]), T(p[7]), T(p[8])};
+}
+template <class T>
+UGOKI_INLINE T load(const typename T::Real* array, int i, std::ptrdiff_t stride) {
+  return T::load(array + i * stride);
+}
+
+/// Articulated inertia [[I, H], [H^T, M]] and bias force (n, f) about the node's origin.
+template <class T>
+struct Articulated {
+  Sym3T<T> I;
+  Mat3T<T> H;
+  Sym3T<T> M;
+  V3<T> n, f;
+};
+template <class T>
+UGOKI_INLINE void add(Articulated<T>& a, const Articulated<T>& b) {
+  a.I = a.I + b.I;
+  a.H += b.H;
+  a.M = a.M + b.M;
+  a.n += b.n;
+  a.f += b.f;
+}
+
+/// Cyclic exchange of x, y, z: the parent's coordinates of the child's vector.
+template <Crossing K, class T>
+UGOKI_INLINE V3<T> exchange_up(const V3<T>& v) {
+  if constexpr (K == Crossing::cycle) return {v.z, v.x, v.y};
+  if constexpr (K == Crossing::cycle_back) return {v.y, v.z, v.x};
+  return v;
+}
+template <Crossing K, class T>
+UGOKI_INLINE V3<T> exchange_down(const V3<T>& v) {
+  if constexpr (K == Crossing::cycle) return {v.y, v.z, v.x};
+  if constexpr (K == Crossing::cycle_back) return {v.z, v.x, v.y};
+  return v;
+}
+template <Crossing K, class T>
+UGOKI_INLINE Sym3T<T> exchange_up(const Sym3T<T>& s) {
+  if constexpr (K == Crossing::cycle) return {s.zz, s.xx, s.yy, s.xz, s.yz, s.xy};
+  if constexpr (K == Crossing::cycle_back) return {s.yy, s.zz, s.xx, s.yz, s.xy, s.xz};
+  return s;
+}
+template <Crossing K, class T>
+UGOKI_INLINE Mat3T<T> exchange_up(const Mat3T<T>& m) {
+  if constexpr (K == Crossing::cycle) return {m.zz, m.zx, m.zy, m.xz, m.xx, m.xy, m.yz, m.yx, m.yy};
+  if constexpr (K == Crossing::cycle_back) return {m.yy, m.yz, m.yx, m.zy, m.zz, m.zx, m.xy, m.xz, m.xx};
+  return m;
+}
+
+/// A revolute joint about z by an angle with sine s and cosine c, then the exchange K.
+template <class T, Crossing K>
+struct RevoluteCrossing {
+  T s, c;
+
+  UGOKI_INLINE V3<T> up(const V3<T>& v) const { return exchange_up<K>(V3<T>{c * v.x - s * v.y, s * v.x + c * v.y, v.z}); }
+  UGOKI_INLINE V3<T> down(const V3<T>& parent) const {
+    const V3<T> v = exchange_down<K>(parent);
+    return {c * v.x + s * v.y, c * v.y - s * v.x, v.z};
+  }
+  UGOKI_INLINE Sym3T<T> up(const Sym3T<T>& a) const {
+    const T cs = c * s, cc = c * c, ss = s * s;
+    const T difference = a.xx - a.yy;
+    const T xx = a.yy + cc * difference - (cs + cs) * a.xy;
+    return exchange_up<K>(
+        Sym3T<T>{xx, (a.xx + a.yy) - xx, a.zz, cs * difference + (cc - ss) * a.xy, c * a.xz - s * a.yz, s * a.xz + c * a.yz});
+  }
+  UGOKI_INLINE Mat3T<T> up(const Mat3T<T>& a) const {
+    const T cs = c * s, cc = c * c, ss = s * s;
+    const T difference = a.xx - a.yy;
+    const T xx = a.yy + cc * difference - cs * (a.xy + a.yx);
+    const T xy = cs * difference + cc * a.xy - ss * a.yx;
+    return exchange_up<K>(Mat3T<T>{xx, xy, c * a.xz - s * a.yz, xy - (a.xy - a.yx), (a.xx + a.yy) - xx, s * a.xz + c * a.yz,
+                                   c * a.zx - s * a.zy, s * a.zx + c * a.zy, a.zz});
+  }
+};
+
+/// Any rotation.
+template <class T>
+struct MatrixCrossing {
+  Mat3T<T> E;  ///< node's axes into the parent's
+
+  UGOKI_INLINE V3<T> up(const V3<T>& v) const { return E * v; }
+  UGOKI_INLINE V3<T> down(const V3<T>& v) const { return transpose_times(E, v); }
+  UGOKI_INLINE Sym3T<T> up(const Sym3T<T>& s) const {
+    const V3<T> x = s * E.row(0), y = s * E.row(1), z = s * E.row(2);  // columns of s E^T
+    return {dot(E.row(0), x), dot(E.row(1), y), dot(E.row(2), z), dot(E.row(0), y), dot(E.row(0), z), dot(E.row(1), z)};
+  }
+  UGOKI_INLINE Mat3T<T> up(const Mat3T<T>& m) const { return E * (m * E.transposed()); }
+};
+
+/// Moves an articulated inertia and its bias force, axes unchanged, from a point at r to the origin.
+template <class T>
+UGOKI_INLINE void shift(Articulated<T>& a, const V3<T>& r) {
+  const Mat3T<T>& H = a.H;
+  const Mat3T<T> G = H + Mat3T<T>::columns(cross(r, V3<T>{a.M.xx, a.M.xy, a.M.xz}), cross(r, V3<T>{a.M.xy, a.M.yy, a.M.yz}),
+                                           cross(r, V3<T>{a.M.xz, a.M.yz, a.M.zz}));
+  // I_ij + (r x H row j)_i + (r x G row i)_j
+  a.I.xx += r.y * (H.xz + G.xz) - r.z * (H.xy + G.xy);
+  a.I.yy += r.z * (H.yx + G.yx) - r.x * (H.yz + G.yz);
+  a.I.zz += r.x * (H.zy + G.zy) - r.y * (H.zx + G.zx);
+  a.I.xy += (r.y * H.yz - r.z * H.yy) + (r.z * G.xx - r.x * G.xz);
+  a.I.xz += (r.y * H.zz - r.z * H.zy) + (r.x * G.xy - r.y * G.xx);
+  a.I.yz += (r.z * H.zx - r.x * H.zz) + (r.x * G.yy - r.y * G.yx);
+  a.H = G;
+  a.n += cross(r, a.f);
+}
+
+/// Rotation matrix of the unit quaternion at q (w first).
+template <class T>
+UGOKI_INLINE Mat3T<T> matrix_of_quaternion(const typename T::Real* q, std::ptrdiff_t stride) {
+  const T w = load<T>(q, 0, stride), x = load<T>(q, 1, stride), y = load<T>(q, 2, stride), z = load<T>(q, 3, stride);
+  const T one(1), two(2);
+  const T xx = x * x, yy = y * y, zz = z * z, xy = x * y, xz = x * z, yz = y * z, wx = w * x, wy = w * y, wz = w * z;
+  return {one - two * (yy + zz), two * (xy - wz), two * (xz + wy), two * (xy + wz),      one - two * (xx + zz),
+          two * (yz - wx),       two * (xz - wy), two * (yz + wx), one - two * (xx + yy)};
+}
+
+template <class T>
+UGOKI_INLINE Mat3T<T> turned_about_z(const Mat3T<T>& R, T s, T c) {
+  return {R.xx * c + R.xy * s, R.xy * c - R.xx * s, R.xz, R.yx * c + R.yy * s, R.yy * c - R.yx * s, R.yz,
+          R.zx * c + R.zy * s, R.zy * c - R.zx * s, R.zz};
+}
+
+/// Scratch memory handed out piece by piece.
+class Scratch {
+ public:
+  explicit Scratch(std::byte* begin) : next_(begin) {}
+  template <class X>
+  X* take(int n) {
+    X* const at = reinterpret_cast<X*>(next_);
+    next_ += (sizeof(X) * static_cast<std::size_t>(n) + 63) / 64 * 64;
+    return at;
+  }
+
+ private:
+  std::byte* next_;
+};
+
+/// What the passes share: where every joint stands, and the external wrenches in the nodes' frames.
+template <class T>
+struct Pass {
+  using Real = typename T::Real;
+  const KernelArguments<Real>& a;
+  Scratch scratch;
+  T* sin;            ///< [angles]
+  T* cos;            ///< [angles]
+  Mat3T<T>* E;       ///< [nodes] of Crossing::matrix; of a floating node without its R
+  Vec6T<T>* wrench;  ///< [nodes], or null
+
+  explicit Pass(const KernelArguments<Real>& arguments)
+      : a(arguments),
+        scratch(a.scratch),
+        sin(scratch.take<T>(a.angles + 8)),
+        cos(scratch.take<T>(a.angles + 8)),
+        E(scratch.take<Mat3T<T>>(a.nodes)),
+        wrench(nullptr) {}
+
+  /// Sines and cosines of all angles, then the matrices.
+  void prepare() {
+    if constexpr (T::count == 1 && sizeof(Real) == 8) {
+      constexpr int wide = UGOKI_DOUBLE_LANES;
+      using Wide = Lanes<double, wide>;
+      double* const s = &sin[0].v;
+      double* const c = &cos[0].v;
+      for (int i = 0; i < a.angles; ++i) s[i] = a.q[a.angle_q[i]] * a.angle_sign[i];
+      for (int i = a.angles; i % wide != 0; ++i) s[i] = 0;
+      for (int i = 0; i < a.angles; i += wide) {
+        const LaneSinCos<Wide> sc = lane_sin_cos(Wide::load(s + i));
+        sc.sin.store(s + i);
+        sc.cos.store(c + i);
+      }
+    } else {
+      for (int i = 0; i < a.angles; ++i) {
+        const LaneSinCos<T> sc = lane_sin_cos(load<T>(a.q, a.angle_q[i], a.stride) * T(static_cast<Real>(a.angle_sign[i])));
+        sin[i] = sc.sin;
+        cos[i] = sc.cos;
+      }
+    }
+    for (int i = 0; i < a.nodes; ++i)
+      if (a.order[i].crossing == Crossing::matrix) E[i] = rotation(i);
+  }
+
+  Mat3T<T> rotation(int i) const {
+    const NodeOrder& o = a.order[i];
+    const Mat3T<T> R = matrix_of<T>(a.constants[i].R);
+    switch (o.kind) {
+      case NodeKind::prismatic: return R;
+      case NodeKind::floating: return matrix_of_quaternion<T>(a.q + (o.q + 3) * a.stride, a.stride);
+      case NodeKind::spherical: {
+        const Mat3T<T> J = matrix_of_quaternion<T>(a.q + o.q * a.stride, a.stride);
+        return o.turned ? R * J : J;
+      }
+      default: return turned_about_z(R, sin[o.angle], cos[o.angle]);
+    }
+  }
+
+  template <Crossing K>
+  UGOKI_INLINE RevoluteCrossing<T, K> revolute(const NodeOrder& o) const {
+    return {sin[o.angle], cos[o.angle]};
+  }
+
+  /// The node's origin in the parent's frame.
+  UGOKI_INLINE V3<T> origin(int i) const {
+    const NodeOrder& o = a.order[i];
+    const NodeConstants<Real>& c = a.constants[i];
+    V3<T> r = vector_of<T>(c.p);
+    if (o.kind == NodeKind::prismatic) r += V3<T>{T(c.R[2]), T(c.R[5]), T(c.R[8])} * (load<T>(a.q, o.q, a.stride) * T(c.sign));
+    if (o.kind == NodeKind::helical) r += V3<T>{T(c.R[2]), T(c.R[5]), T(c.R[8])} * (load<T>(a.q, o.q, a.stride) * T(c.sign * c.pitch));
+    if (o.kind == NodeKind::floating)
+      r += matrix_of<T>(c.R) * V3<T>{load<T>(a.q, o.q, a.stride), load<T>(a.q, o.q + 1, a.stride), load<T>(a.q, o.q + 2, a.stride)};
+    return r;
+  }
+
+  /// Any node's vector of the parent in its own axes.
+  V3<T> down(int i, const V3<T>& parent) const {
+    const NodeOrder& o = a.order[i];
+    switch (o.crossing) {
+      case Crossing::none: return revolute<Crossing::none>(o).down(parent);
+      case Crossing::cycle: return revolute<Crossing::cycle>(o).down(parent);
+      case Crossing::cycle_back: return revolute<Crossing::cycle_back>(o).down(parent);
+      case Crossing::matrix: break;
+    }
+    const bool twice = o.kind == NodeKind::floating && o.turned;
+    return transpose_times(E[i], twice ? transpose_times(matrix_of<T>(a.constants[i].R), parent) : parent);
+  }
+
+  /// External wrenches of the links, from the world's axes and origin to those of the nodes.
+  void take_wrenches() {
+    if (a.external == nullptr) return;
+    struct Frame {
+      V3<T> x, y, z, p;  // the world's axes in the node's; the node's origin in the world
+    };
+    Frame* const frames = scratch.take<Frame>(a.nodes);
+    wrench = scratch.take<Vec6T<T>>(a.nodes);
+    const T none(0), one(1);
+    for (int i = 0; i < a.nodes; ++i) wrench[i] = {{none, none, none}, {none, none, none}};
+    for (int l = 0; l < a.link_count; ++l) {
+      if (a.links[l].node < 0) continue;
+      const auto at = [&](int k) { return load<T>(a.external, 6 * l + k, a.stride); };
+      wrench[a.links[l].node] += Vec6T<T>{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+    }
+    const Frame world{{one, none, none}, {none, one, none}, {none, none, one}, {none, none, none}};
+    for (int i = 0; i < a.nodes; ++i) {
+      const Frame& up = a.order[i].parent < 0 ? world : frames[a.order[i].parent];
+      const V3<T> r = origin(i);
+      const V3<T> p = up.p + V3<T>{dot(up.x, r), dot(up.y, r), dot(up.z, r)};
+      const Frame frame{down(i, up.x), down(i, up.y), down(i, up.z), p};
+      const V3<T> f = wrench[i].v, n = wrench[i].w - cross(p, f);
+      wrench[i] = {frame.x * n.x + frame.y * n.y + frame.z * n.z, frame.x * f.x + frame.y * f.y + frame.z * f.z};
+      frames[i] = frame;
+    }
+  }
+};
+
+}  // namespace
+}  // namespace ugoki::dynamics

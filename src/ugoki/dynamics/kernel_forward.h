@@ -1,0 +1,411 @@
+#pragma once
+// Forward dynamics from (q, v, tau) in three sweeps: articulated bodies in the nodes' frames.
+//
+// Accelerations are of the material point at each node's origin, as in kernel_inverse.h:
+//   a_i = X a_P + c_i + S_i vdot_i,   c_i = ((E^T w_P) x S v, E^T (w_P x (w_P x r)) + 2 w x S v's linear part)
+//   U = IA S,  D = S^T U + armature,  u = tau - S^T (pA + IA c),  vdot = (u - U^T X a_P) / D
+//   handed on: IA - U U^T / D  and  pA + IA c + U u / D
+// A freedom's column S has one or two entries in the node's frame, so U is a column of IA. Freedoms of one node are taken one
+// after another. Source: Featherstone (2008), ch. 7. For kernels_*.cpp only.
+
+#include "ugoki/dynamics/kernel_crossing.h"
+
+namespace ugoki::dynamics {
+namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
+
+template <class T>
+class ForwardKernel {
+ public:
+  using Real = typename T::Real;
+  using Mask = typename T::Mask;
+
+  explicit ForwardKernel(const KernelArguments<Real>& arguments)
+      : pass_(arguments),
+        a_(pass_.a),
+        w_(pass_.scratch.template take<V3<T>>(a_.nodes + 1)),
+        velocity_product_(pass_.scratch.template take<V3<T>>(a_.nodes)),
+        freedom_(pass_.scratch.template take<FreedomPass>(a_.nv)),
+        acceleration_(pass_.scratch.template take<Vec6T<T>>(a_.nodes + 1)),
+        slots_(pass_.scratch.template take<Articulated<T>>(a_.slots)) {}
+
+  /// Set where a pivot was not positive.
+  Mask run() {
+    pass_.prepare();
+    pass_.take_wrenches();
+    const T none(0);
+    w_[0] = {none, none, none};
+    for (int i = 0; i < a_.nodes; ++i) {
+      switch (a_.order[i].crossing) {
+        case Crossing::none: turn_revolute<Crossing::none>(i); break;
+        case Crossing::cycle: turn_revolute<Crossing::cycle>(i); break;
+        case Crossing::cycle_back: turn_revolute<Crossing::cycle_back>(i); break;
+        case Crossing::matrix: turn(i); break;
+      }
+    }
+    for (int i = a_.nodes; i-- > 0;) {
+      switch (a_.order[i].crossing) {
+        case Crossing::none: inward_revolute<Crossing::none>(i); break;
+        case Crossing::cycle: inward_revolute<Crossing::cycle>(i); break;
+        case Crossing::cycle_back: inward_revolute<Crossing::cycle_back>(i); break;
+        case Crossing::matrix: inward(i); break;
+      }
+    }
+    acceleration_[0] = {{none, none, none}, -vector_of<T>(a_.gravity)};
+    for (int i = 0; i < a_.nodes; ++i) {
+      switch (a_.order[i].crossing) {
+        case Crossing::none: outward_revolute<Crossing::none>(i); break;
+        case Crossing::cycle: outward_revolute<Crossing::cycle>(i); break;
+        case Crossing::cycle_back: outward_revolute<Crossing::cycle_back>(i); break;
+        case Crossing::matrix: outward(i); break;
+      }
+    }
+    return bad_;
+  }
+
+ private:
+  struct FreedomPass {
+    Vec6T<T> U;
+    T d, u;  ///< 1 / D; reduced joint force
+  };
+
+  UGOKI_INLINE T v(int k) const { return load<T>(a_.v, k, a_.stride); }
+  UGOKI_INLINE T tau(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
+  UGOKI_INLINE void give(int k, T vdot) const { vdot.store(a_.out + k * a_.stride); }
+  UGOKI_INLINE T inverse_pivot(T pivot) {
+    bad_ = bad_ | !(pivot > T(0));
+    return T(1) / pivot;
+  }
+
+  // Angular velocities.
+
+  template <Crossing K>
+  UGOKI_INLINE void turn_revolute(int i) {
+    const NodeOrder& o = a_.order[i];
+    V3<T> w = pass_.template revolute<K>(o).down(w_[o.parent + 1]);
+    w.z += v(o.v) * T(a_.constants[i].sign);
+    w_[i + 1] = w;
+  }
+  void turn(int i) {
+    const NodeOrder& o = a_.order[i];
+    V3<T> w = pass_.down(i, w_[o.parent + 1]);
+    if (o.kind == NodeKind::revolute || o.kind == NodeKind::helical) w.z += v(o.v) * T(a_.constants[i].sign);
+    if (o.kind == NodeKind::spherical || o.kind == NodeKind::floating) w += V3<T>{v(o.v), v(o.v + 1), v(o.v + 2)};
+    w_[i + 1] = w;
+  }
+
+  // Articulated inertias, from the leaves.
+
+  /// The node's own body and what its children handed on.
+  UGOKI_INLINE Articulated<T> gather(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const T none(0);
+    Articulated<T> A;
+    if (o.massless) {
+      const V3<T> zero{none, none, none};
+      A = {{none, none, none, none, none, none}, Mat3T<T>::skew(zero), {none, none, none, none, none, none}, zero, zero};
+    } else {
+      const V3<T> h = vector_of<T>(c.h), w = w_[i + 1];
+      const T m(c.mass);
+      const Sym3T<T> I = symmetric_of<T>(c.I);
+      A = {I, Mat3T<T>::skew(h), {m, m, m, none, none, none}, cross(w, I * w), cross(w, cross(w, h))};
+    }
+    if (pass_.wrench != nullptr) {
+      A.n -= pass_.wrench[i].w;
+      A.f -= pass_.wrench[i].v;
+    }
+    if (o.has_child) add(A, carry_);
+    if (o.slot >= 0) add(A, slots_[o.slot]);
+    return A;
+  }
+  UGOKI_INLINE void hand_on(const NodeOrder& o, const Articulated<T>& A) {
+    if (o.first_child) {
+      carry_ = A;
+    } else if (o.last_child) {
+      slots_[a_.order[o.parent].slot] = A;
+    } else {
+      add(slots_[a_.order[o.parent].slot], A);
+    }
+  }
+
+  template <Crossing K>
+  UGOKI_INLINE void inward_revolute(int i) {
+    const NodeOrder& o = a_.order[i];
+    if (a_.constants[i].armature[0] != Real(0))
+      eliminate_revolute<K, true>(i, o);
+    else
+      eliminate_revolute<K, false>(i, o);
+  }
+  /// Without armature the freedom's row and column of the inertia handed on are zero.
+  template <Crossing K, bool armed>
+  UGOKI_INLINE void eliminate_revolute(int i, const NodeOrder& o) {
+    const NodeConstants<Real>& c = a_.constants[i];
+    const T none(0), sign(c.sign);
+    Articulated<T> A = gather(i);
+    const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
+    const V3<T> r = vector_of<T>(c.p);
+    const V3<T> w = w_[i + 1], w_up = w_[o.parent + 1];
+    const T rate = v(o.v) * sign;
+    const V3<T> c_v = X.down(cross(w_up, cross(w_up, r)));
+    const T cx = w.y * rate, cy = -(w.x * rate);
+    velocity_product_[i] = c_v;
+    FreedomPass& f = freedom_[o.v];
+    const V3<T> Uw{A.I.xz, A.I.yz, A.I.zz}, Uv = A.H.row(2);
+    const T d = inverse_pivot(armed ? Uw.z + T(c.armature[0]) : Uw.z);
+    const T u = tau(o.v) * sign - A.n.z;
+    const T step = u * d;
+    f = {{Uw, Uv}, d, u};
+    if (o.parent < 0) return;
+
+    const T dx = Uw.x * d, dy = Uw.y * d;
+    const V3<T> dv = Uv * d;
+    A.I.xx -= Uw.x * dx;
+    A.I.yy -= Uw.y * dy;
+    A.I.xy -= Uw.x * dy;
+    if constexpr (armed) {
+      const T dz = Uw.z * d;
+      A.I.xz -= Uw.x * dz;
+      A.I.yz -= Uw.y * dz;
+      A.I.zz -= Uw.z * dz;
+      A.H.zx -= Uw.z * dv.x;
+      A.H.zy -= Uw.z * dv.y;
+      A.H.zz -= Uw.z * dv.z;
+    } else {
+      A.I.xz = A.I.yz = A.I.zz = A.H.zx = A.H.zy = A.H.zz = none;
+    }
+    A.H.xx -= Uw.x * dv.x;
+    A.H.xy -= Uw.x * dv.y;
+    A.H.xz -= Uw.x * dv.z;
+    A.H.yx -= Uw.y * dv.x;
+    A.H.yy -= Uw.y * dv.y;
+    A.H.yz -= Uw.y * dv.z;
+    A.M.xx -= Uv.x * dv.x;
+    A.M.yy -= Uv.y * dv.y;
+    A.M.zz -= Uv.z * dv.z;
+    A.M.xy -= Uv.x * dv.y;
+    A.M.xz -= Uv.x * dv.z;
+    A.M.yz -= Uv.y * dv.z;
+    // c enters by the inertia handed on: pA + (IA - U U^T / D) c + U u / D
+    const V3<T> Hc = A.H * c_v;
+    A.n += V3<T>{A.I.xx * cx + A.I.xy * cy, A.I.xy * cx + A.I.yy * cy, armed ? A.I.xz * cx + A.I.yz * cy : none} +
+           (armed ? Hc : V3<T>{Hc.x, Hc.y, none}) + Uw * step;
+    A.f += V3<T>{A.H.xx * cx + A.H.yx * cy, A.H.xy * cx + A.H.yy * cy, A.H.xz * cx + A.H.yz * cy} + A.M * c_v + Uv * step;
+    if constexpr (armed) {
+      A.I = X.up(A.I);
+      A.H = X.up(A.H);
+    } else {
+      up_without_z(X, A);
+    }
+    A.M = X.up(A.M);
+    A.n = X.up(A.n);
+    A.f = X.up(A.f);
+    shift(A, r);
+    hand_on(o, A);
+  }
+
+  /// I and H across the joint where their rows of z are zero.
+  template <Crossing K>
+  UGOKI_INLINE static void up_without_z(const RevoluteCrossing<T, K>& X, Articulated<T>& A) {
+    const T none(0);
+    const T s = X.s, c = X.c, cs = c * s, cc = c * c, ss = s * s;
+    const Sym3T<T> I = A.I;
+    const Mat3T<T> H = A.H;
+    const T dI = I.xx - I.yy;
+    const T Ixx = I.yy + cc * dI - (cs + cs) * I.xy;
+    A.I = exchange_up<K>(Sym3T<T>{Ixx, (I.xx + I.yy) - Ixx, none, cs * dI + (cc - ss) * I.xy, none, none});
+    const T dH = H.xx - H.yy;
+    const T Hxx = H.yy + cc * dH - cs * (H.xy + H.yx);
+    const T Hxy = cs * dH + cc * H.xy - ss * H.yx;
+    A.H = exchange_up<K>(
+        Mat3T<T>{Hxx, Hxy, c * H.xz - s * H.yz, Hxy - (H.xy - H.yx), (H.xx + H.yy) - Hxx, s * H.xz + c * H.yz, none, none, none});
+  }
+
+  /// Column U = IA S of a freedom that turns about axis k of the node, or slides along it.
+  UGOKI_INLINE static Vec6T<T> turning(const Articulated<T>& A, int k) { return {A.I.matrix().row(k), A.H.row(k)}; }
+  UGOKI_INLINE static Vec6T<T> sliding(const Articulated<T>& A, int k) { return {A.H.column(k), A.M.matrix().row(k)}; }
+
+  void eliminate(Articulated<T>& A, int k, const Vec6T<T>& U, T pivot, T u) {
+    const T d = inverse_pivot(pivot);
+    freedom_[k] = {U, d, u};
+    const Vec6T<T> D = U * d;
+    const V3<T>&a = U.w, &b = U.v, &x = D.w, &y = D.v;
+    A.I = A.I - Sym3T<T>{a.x * x.x, a.y * x.y, a.z * x.z, a.x * x.y, a.x * x.z, a.y * x.z};
+    A.M = A.M - Sym3T<T>{b.x * y.x, b.y * y.y, b.z * y.z, b.x * y.y, b.x * y.z, b.y * y.z};
+    A.H -= Mat3T<T>::outer(a, y);
+    A.n += x * u;
+    A.f += y * u;
+  }
+
+  /// Velocity products (c) of a node that is not a plain revolute joint.
+  Vec6T<T> velocity_product(int i) const {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& k = a_.constants[i];
+    const T none(0), sign(k.sign), two(2);
+    const V3<T> w = w_[i + 1], w_up = w_[o.parent + 1];
+    Vec6T<T> c{{none, none, none}, pass_.down(i, cross(w_up, cross(w_up, pass_.origin(i))))};
+    if (o.kind == NodeKind::revolute || o.kind == NodeKind::helical) {
+      const T rate = v(o.v) * sign;
+      c.w = {w.y * rate, -(w.x * rate), none};
+    }
+    if (o.kind == NodeKind::prismatic || o.kind == NodeKind::helical) {
+      const T rate = v(o.v) * (o.kind == NodeKind::helical ? sign * T(k.pitch) : sign);
+      c.v += V3<T>{two * w.y * rate, -(two * w.x * rate), none};
+    }
+    if (o.kind == NodeKind::spherical) c.w = cross(w, V3<T>{v(o.v), v(o.v + 1), v(o.v + 2)});
+    return c;
+  }
+
+  void inward(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    Articulated<T> A = gather(i);
+    if (o.kind == NodeKind::floating) {
+      solve_floating(i, A);
+      return;
+    }
+    const Vec6T<T> vp = velocity_product(i);
+    A.n += A.I * vp.w + A.H * vp.v;
+    A.f += transpose_times(A.H, vp.w) + A.M * vp.v;
+    const T sign(c.sign), pitch(c.pitch), armature(c.armature[0]);
+    switch (o.kind) {
+      case NodeKind::revolute: {
+        const Vec6T<T> U = turning(A, 2);
+        eliminate(A, o.v, U, U.w.z + armature, tau(o.v) * sign - A.n.z);
+        break;
+      }
+      case NodeKind::prismatic: {
+        const Vec6T<T> U = sliding(A, 2);
+        eliminate(A, o.v, U, U.v.z + armature, tau(o.v) * sign - A.f.z);
+        break;
+      }
+      case NodeKind::helical: {
+        const Vec6T<T> U = turning(A, 2) + sliding(A, 2) * pitch;
+        eliminate(A, o.v, U, U.w.z + pitch * U.v.z + armature, tau(o.v) * sign - (A.n.z + pitch * A.f.z));
+        break;
+      }
+      default:  // spherical
+        for (int k = 3; k-- > 0;) {
+          const Vec6T<T> U = turning(A, k);
+          eliminate(A, o.v + k, U, U.w[k] + T(c.armature[k]), tau(o.v + k) - A.n[k]);
+        }
+    }
+    if (o.parent < 0) return;
+    const MatrixCrossing<T> X{pass_.E[i]};
+    A.I = X.up(A.I);
+    A.H = X.up(A.H);
+    A.M = X.up(A.M);
+    A.n = X.up(A.n);
+    A.f = X.up(A.f);
+    shift(A, pass_.origin(i));
+    hand_on(o, A);
+  }
+
+  /// A floating base: (IA + armature) vdot = tau - pA - IA a_0 in the node's axes, by L D L^T from the last freedom on.
+  void solve_floating(int i, const Articulated<T>& A) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const V3<T> a0 = pass_.down(i, -vector_of<T>(a_.gravity));
+    const Mat3T<T>& E = pass_.E[i];
+    const auto t = [&](int k) { return tau(o.v + k); };
+    const V3<T> n = V3<T>{t(0), t(1), t(2)} - A.n - A.H * a0;
+    const V3<T> f = transpose_times(E, V3<T>{t(3), t(4), t(5)}) - A.f - A.M * a0;
+    Sym3T<T> M = A.M;
+    const Real* const arm = c.armature;
+    if (arm[3] != Real(0) || arm[4] != Real(0) || arm[5] != Real(0)) {
+      const T none(0);
+      M = M + MatrixCrossing<T>{E.transposed()}.up(Sym3T<T>{T(arm[3]), T(arm[4]), T(arm[5]), none, none, none});
+    }
+    T L[6][6];
+    for (int k = 0; k < 3; ++k) {
+      const V3<T> I = A.I.matrix().row(k), H = A.H.column(k), m = M.matrix().row(k);
+      for (int e = 0; e < 3; ++e) {
+        L[k][e] = e == k ? I[e] + T(arm[k]) : I[e];
+        L[k + 3][e] = H[e];
+        L[k + 3][e + 3] = m[e];
+      }
+    }
+    T x[6] = {n.x, n.y, n.z, f.x, f.y, f.z}, d[6];
+    for (int k = 6; k-- > 0;) {
+      d[k] = inverse_pivot(L[k][k]);
+      for (int e = k; e-- > 0;) {
+        const T l = L[k][e] * d[k];
+        for (int g = 0; g <= e; ++g) L[e][g] -= l * L[k][g];
+        x[e] -= l * x[k];
+      }
+    }
+    for (int k = 0; k < 6; ++k) {
+      T sum = x[k];
+      for (int e = 0; e < k; ++e) sum -= L[k][e] * x[e];
+      x[k] = sum * d[k];
+    }
+    for (int k = 0; k < 6; ++k) freedom_[o.v + k].u = x[k];
+  }
+
+  // Accelerations, from the base.
+
+  template <Crossing K>
+  UGOKI_INLINE void outward_revolute(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
+    const Vec6T<T>& up = acceleration_[o.parent + 1];
+    const V3<T> w = w_[i + 1];
+    const T rate = v(o.v) * T(c.sign);
+    V3<T> wd = X.down(up.w);
+    wd.x += w.y * rate;
+    wd.y -= w.x * rate;
+    const V3<T> a = X.down(up.v + cross(up.w, vector_of<T>(c.p))) + velocity_product_[i];
+    const FreedomPass& f = freedom_[o.v];
+    const T vdot = f.d * (f.u - (dot(f.U.w, wd) + dot(f.U.v, a)));
+    give(o.v, vdot * T(c.sign));
+    wd.z += vdot;
+    acceleration_[i + 1] = {wd, a};
+  }
+
+  void outward(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const Vec6T<T>& up = acceleration_[o.parent + 1];
+    Vec6T<T> A{pass_.down(i, up.w), pass_.down(i, up.v + cross(up.w, pass_.origin(i)))};
+    if (o.kind == NodeKind::floating) {
+      const FreedomPass* const f = freedom_ + o.v;
+      const V3<T> spin{f[0].u, f[1].u, f[2].u}, slide{f[3].u, f[4].u, f[5].u};
+      const V3<T> out = pass_.E[i] * slide;
+      for (int k = 0; k < 3; ++k) {
+        give(o.v + k, spin[k]);
+        give(o.v + 3 + k, out[k]);
+      }
+      acceleration_[i + 1] = {A.w + spin, A.v + slide};
+      return;
+    }
+    const auto reduced = [&](int k) { return freedom_[k].d * (freedom_[k].u - dot(freedom_[k].U, A)); };
+    const T sign(c.sign);
+    if (o.kind == NodeKind::spherical) {
+      for (int k = 0; k < 3; ++k) {
+        const T vdot = reduced(o.v + k);
+        give(o.v + k, vdot);
+        A.w[k] += vdot;
+      }
+    } else {
+      const T vdot = reduced(o.v);
+      give(o.v, vdot * sign);
+      if (o.kind != NodeKind::prismatic) A.w.z += vdot;
+      if (o.kind == NodeKind::prismatic) A.v.z += vdot;
+      if (o.kind == NodeKind::helical) A.v.z += vdot * T(c.pitch);
+    }
+    acceleration_[i + 1] = A + velocity_product(i);
+  }
+
+  Pass<T> pass_;
+  const KernelArguments<Real>& a_;
+  V3<T>* w_;                 // [nodes + 1], the world first
+  V3<T>* velocity_product_;  // [nodes] linear part, of plain revolute joints
+  FreedomPass* freedom_;     // [nv]
+  Vec6T<T>* acceleration_;   // [nodes + 1]
+  Articulated<T>* slots_;
+  Articulated<T> carry_;
+  Mask bad_{};
+};
+
+}  // namespace
+}  // namespace ugoki::dynamics

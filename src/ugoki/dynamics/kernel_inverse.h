@@ -1,0 +1,180 @@
+#pragma once
+// Inverse dynamics from (q, v, vdot) in two sweeps: recursive Newton-Euler in the nodes' frames.
+//
+// The acceleration of a node is that of the material point at its origin, (w' , a), not the spatial one: then velocities need
+// their angular part only. With r the node's origin in the parent's frame and E the node's axes in the parent's:
+//   w = E^T w_P + z v        w' = E^T w'_P + (E^T w_P) x z v + z vdot        a = E^T (a_P + w'_P x r + w_P x (w_P x r))
+//   f = m a + w' x h + w x (w x h)        n = I w' + w x I w + h x a
+// Sources: Luh, Walker, Paul (1980); Featherstone (2008), ch. 5. For kernels_*.cpp only.
+
+#include "ugoki/dynamics/kernel_crossing.h"
+
+namespace ugoki::dynamics {
+namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
+
+template <class T>
+class InverseKernel {
+ public:
+  using Real = typename T::Real;
+
+  explicit InverseKernel(const KernelArguments<Real>& arguments)
+      : pass_(arguments),
+        a_(pass_.a),
+        motion_(pass_.scratch.template take<Motion>(a_.nodes + 1)),
+        force_(pass_.scratch.template take<Force>(a_.nodes + 1)) {}
+
+  void run() {
+    pass_.prepare();
+    pass_.take_wrenches();
+    const T none(0);
+    const V3<T> zero{none, none, none};
+    motion_[0] = {{none, none, none, none, none, none, none, none, none}, -vector_of<T>(a_.gravity), zero};
+    for (int i = 0; i < a_.nodes; ++i) {
+      switch (a_.order[i].crossing) {
+        case Crossing::none: outward_revolute<Crossing::none>(i); break;
+        case Crossing::cycle: outward_revolute<Crossing::cycle>(i); break;
+        case Crossing::cycle_back: outward_revolute<Crossing::cycle_back>(i); break;
+        case Crossing::matrix: outward(i); break;
+      }
+    }
+    for (int i = a_.nodes; i-- > 0;) {
+      switch (a_.order[i].crossing) {
+        case Crossing::none: inward_revolute<Crossing::none>(i); break;
+        case Crossing::cycle: inward_revolute<Crossing::cycle>(i); break;
+        case Crossing::cycle_back: inward_revolute<Crossing::cycle_back>(i); break;
+        case Crossing::matrix: inward(i); break;
+      }
+    }
+  }
+
+ private:
+  /// K r = w' x r + w x (w x r); a: acceleration of the origin.
+  struct Motion {
+    Mat3T<T> K;
+    V3<T> a, w;
+  };
+  struct Force {
+    V3<T> n, f;
+  };
+
+  UGOKI_INLINE T v(int k) const { return load<T>(a_.v, k, a_.stride); }
+  UGOKI_INLINE T vdot(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
+  UGOKI_INLINE void give(int k, T tau) const { tau.store(a_.out + k * a_.stride); }
+
+  /// The angular acceleration that K holds.
+  UGOKI_INLINE static V3<T> angular(const Mat3T<T>& K) {
+    const T half(Real(0.5));
+    return {half * (K.zy - K.yz), half * (K.xz - K.zx), half * (K.yx - K.xy)};
+  }
+
+  UGOKI_INLINE void finish(int i, const V3<T>& w, const V3<T>& wd, const V3<T>& a) {
+    const NodeConstants<Real>& c = a_.constants[i];
+    const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z, xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+    Motion& m = motion_[i + 1];
+    m.K = {-(yy + zz), xy - wd.z, xz + wd.y, xy + wd.z, -(xx + zz), yz - wd.x, xz - wd.y, yz + wd.x, -(xx + yy)};
+    m.a = a;
+    m.w = w;
+    Force& g = force_[i];
+    if (a_.order[i].massless) {
+      const T none(0);
+      g = {{none, none, none}, {none, none, none}};
+    } else {
+      const V3<T> h = vector_of<T>(c.h);
+      const Sym3T<T> I = symmetric_of<T>(c.I);
+      g.f = a * T(c.mass) + m.K * h;
+      g.n = I * wd + cross(w, I * w) + cross(h, a);
+    }
+    if (pass_.wrench != nullptr) {
+      g.n -= pass_.wrench[i].w;
+      g.f -= pass_.wrench[i].v;
+    }
+  }
+
+  template <Crossing K>
+  UGOKI_INLINE void outward_revolute(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
+    const Motion& p = motion_[o.parent + 1];
+    const V3<T> w = X.down(p.w), wd = X.down(angular(p.K)), a = X.down(p.a + p.K * vector_of<T>(c.p));
+    const T rate = v(o.v) * T(c.sign);
+    finish(i, {w.x, w.y, w.z + rate}, {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + vdot(o.v) * T(c.sign)}, a);
+  }
+
+  void outward(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const Motion& p = motion_[o.parent + 1];
+    V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, angular(p.K)), a = pass_.down(i, p.a + p.K * pass_.origin(i));
+    const T sign(c.sign), two(2);
+    if (o.kind == NodeKind::revolute || o.kind == NodeKind::helical) {
+      const T rate = v(o.v) * sign;
+      wd = {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + vdot(o.v) * sign};
+      w.z += rate;
+    }
+    if (o.kind == NodeKind::prismatic || o.kind == NodeKind::helical) {
+      const T lead = o.kind == NodeKind::helical ? sign * T(c.pitch) : sign;
+      const T rate = v(o.v) * lead;
+      a += V3<T>{two * w.y * rate, -(two * w.x * rate), vdot(o.v) * lead};
+    }
+    if (o.kind == NodeKind::spherical || o.kind == NodeKind::floating) {
+      const V3<T> spin{v(o.v), v(o.v + 1), v(o.v + 2)};
+      wd += cross(w, spin) + V3<T>{vdot(o.v), vdot(o.v + 1), vdot(o.v + 2)};
+      w += spin;
+      if (o.kind == NodeKind::floating) a += transpose_times(pass_.E[i], V3<T>{vdot(o.v + 3), vdot(o.v + 4), vdot(o.v + 5)});
+    }
+    finish(i, w, wd, a);
+  }
+
+  UGOKI_INLINE void pass_on(const NodeOrder& o, const V3<T>& n, const V3<T>& f, const V3<T>& r) {
+    if (o.parent < 0) return;
+    Force& g = force_[o.parent];
+    g.f += f;
+    g.n += n + cross(r, f);
+  }
+
+  template <Crossing K>
+  UGOKI_INLINE void inward_revolute(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const Force g = force_[i];
+    give(o.v, g.n.z * T(c.sign) + T(c.armature[0]) * vdot(o.v));
+    const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
+    pass_on(o, X.up(g.n), X.up(g.f), vector_of<T>(c.p));
+  }
+
+  void inward(int i) {
+    const NodeOrder& o = a_.order[i];
+    const NodeConstants<Real>& c = a_.constants[i];
+    const Force g = force_[i];
+    const auto drive = [&](int k, T along) { give(o.v + k, along + T(c.armature[k]) * vdot(o.v + k)); };
+    switch (o.kind) {
+      case NodeKind::revolute: drive(0, g.n.z * T(c.sign)); break;
+      case NodeKind::prismatic: drive(0, g.f.z * T(c.sign)); break;
+      case NodeKind::helical: drive(0, (g.n.z + g.f.z * T(c.pitch)) * T(c.sign)); break;
+      case NodeKind::spherical:
+      case NodeKind::floating:
+        drive(0, g.n.x);
+        drive(1, g.n.y);
+        drive(2, g.n.z);
+        if (o.kind == NodeKind::floating) {
+          const V3<T> f = pass_.E[i] * g.f;
+          drive(3, f.x);
+          drive(4, f.y);
+          drive(5, f.z);
+        }
+        break;
+    }
+    if (o.parent < 0) return;
+    const MatrixCrossing<T> X{pass_.E[i]};
+    pass_on(o, X.up(g.n), X.up(g.f), pass_.origin(i));
+  }
+
+  Pass<T> pass_;
+  const KernelArguments<Real>& a_;
+  Motion* motion_;  // [nodes + 1], the world first
+  Force* force_;    // [nodes]
+};
+
+}  // namespace
+}  // namespace ugoki::dynamics

@@ -1,0 +1,80 @@
+#pragma once
+// The fast kernels and the choice of their width at run time. Internal to dynamics/.
+//
+// One source (kernel_*.h, templates on the scalar) is compiled three times: for the plain processor, for AVX2 and for AVX-512.
+// All give the same bits: the same operations in the same order, none fused. One instance runs as one number a step, with sines
+// and cosines in lanes; a batch runs as many instances as a register holds.
+
+#include <cstddef>
+
+#include "ugoki/dynamics/link_program.h"
+
+namespace ugoki::dynamics {
+
+enum class SimdWidth : std::uint8_t { plain, avx2, avx512 };
+
+/// Numbers of one kind lie `stride` apart: 1 for one instance, the lanes of a block for a batch.
+template <class Real>
+struct KernelArguments {
+  const NodeOrder* order;
+  const NodeConstants<Real>* constants;
+  int nodes, slots, nv;
+  const LinkPlace* links;
+  int link_count;
+  const int* angle_q;
+  const double* angle_sign;
+  int angles;
+
+  const Real* q;         ///< [nq]
+  const Real* v;         ///< [nv]
+  const Real* in;        ///< [nv] vdot or tau; null: zero
+  const Real* external;  ///< [links * 6] wrenches about the world origin in world axes, angular first; null: none
+  Real* out;             ///< [nv] tau or vdot
+  Real gravity[3];       ///< m/s^2
+  std::byte* scratch;    ///< scratch_size(), on a boundary of 64 bytes
+  const int* row_start;  ///< inertia matrix only
+  const int* depth;
+  std::ptrdiff_t stride;
+};
+
+/// One width. `batch_*` run `lanes` instances that lie side by side; bit i of what they return: instance i is singular.
+template <class Real>
+struct BatchKernels {
+  int lanes;
+  void (*inverse)(const KernelArguments<Real>&);
+  unsigned (*forward)(const KernelArguments<Real>&);
+};
+
+struct Kernels {
+  void (*inverse)(const KernelArguments<double>&);
+  bool (*forward)(const KernelArguments<double>&);  ///< false: singular
+  void (*inertia)(const KernelArguments<double>&);  ///< `out`: chain rows
+  /// s[i], c[i] = sine and cosine of x[i]. @param n a multiple of 8
+  void (*sin_cos)(const double* x, double* s, double* c, int n);
+  BatchKernels<double> in_double;
+  BatchKernels<float> in_single;
+};
+
+/// Bytes of scratch that the kernels need for `instances` side by side.
+[[nodiscard]] std::size_t scratch_size(const LinkProgram& program, std::size_t bytes_a_number, int instances);
+
+/// The widest that this processor has.
+[[nodiscard]] SimdWidth widest_simd();
+/// The kernels in use: those of widest_simd(), unless a test chose others.
+[[nodiscard]] const Kernels& kernels();
+/// For tests and measurements: makes kernels() use `width`. @return false where the processor or the build lacks it
+bool use_simd(SimdWidth width);
+
+namespace plain {
+extern const Kernels table;
+}
+#ifdef UGOKI_X86_WIDTHS
+namespace avx2 {
+extern const Kernels table;
+}
+namespace avx512 {
+extern const Kernels table;
+}
+#endif
+
+}  // namespace ugoki::dynamics

@@ -1,0 +1,52 @@
+#pragma once
+// The table of one width: included once by each kernels_*.cpp, which defines UGOKI_WIDTH (the name of the table's namespace),
+// UGOKI_DOUBLE_LANES and UGOKI_FLOAT_LANES.
+
+#include "ugoki/dynamics/kernel_forward.h"
+#include "ugoki/dynamics/kernel_inertia.h"
+#include "ugoki/dynamics/kernel_inverse.h"
+
+namespace ugoki::dynamics {
+namespace {
+
+using One = Lanes<double, 1>;
+template <class Real>
+using Wide = Lanes<Real, sizeof(Real) == 8 ? UGOKI_DOUBLE_LANES : UGOKI_FLOAT_LANES>;
+
+template <class T>
+void inverse(const KernelArguments<typename T::Real>& a) {
+  InverseKernel<T>(a).run();
+}
+bool forward_one(const KernelArguments<double>& a) { return !ForwardKernel<One>(a).run()[0]; }
+void inertia_one(const KernelArguments<double>& a) { InertiaKernel<One>(a).run(); }
+
+template <class T>
+unsigned forward_batch(const KernelArguments<typename T::Real>& a) {
+  const typename T::Mask bad = ForwardKernel<T>(a).run();
+  unsigned out = 0;
+  for (int i = 0; i < T::count; ++i) out |= bad[i] ? 1U << i : 0U;
+  return out;
+}
+
+void sines(const double* x, double* s, double* c, int n) {
+  using T = Wide<double>;
+  for (int i = 0; i < n; i += T::count) {
+    const LaneSinCos<T> sc = lane_sin_cos(T::load(x + i));
+    sc.sin.store(s + i);
+    sc.cos.store(c + i);
+  }
+}
+
+}  // namespace
+
+namespace UGOKI_WIDTH {
+extern const Kernels table;
+const Kernels table = {inverse<One>,
+                       forward_one,
+                       inertia_one,
+                       sines,
+                       {UGOKI_DOUBLE_LANES, inverse<Wide<double>>, forward_batch<Wide<double>>},
+                       {UGOKI_FLOAT_LANES, inverse<Wide<float>>, forward_batch<Wide<float>>}};
+}  // namespace UGOKI_WIDTH
+
+}  // namespace ugoki::dynamics
