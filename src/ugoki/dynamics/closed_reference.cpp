@@ -1,0 +1,166 @@
+#include "ugoki/dynamics/closed_reference.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/check.h"
+#include "ugoki/dynamics/dynamics.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::dynamics {
+namespace {
+
+/// Forces at the joints of the cut tree, less those that act anyway: tau1 = A vdot + b - applied.
+void open_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> vdot, const Vec3& gravity, std::span<const Vec6> external,
+                 std::span<const double> applied) {
+  calc_inverse_dynamics(m, cw.open, vdot, gravity, external, cw.tau1);
+  for (std::size_t i = 0; i < applied.size(); ++i) cw.tau1[i] -= applied[i];
+}
+
+/// A little before (s < 0) or after (q, v): the branch on which the system moves through a singular position.
+bool acceleration_beside(const Mechanism& m, ClosedWorkspace& cw, double s, std::span<const double> tau, const Vec3& gravity,
+                         std::span<const Vec6> external, std::span<double> vdot) {
+  integrate(m, cw.q2, cw.v2, s, cw.q3);
+  std::ranges::copy(cw.v2, cw.v3.begin());
+  if (!close_theta_S(m, cw.q3, cw).closed) return false;
+  update_partition(m, cw);
+  apply_partition(cw, cw.v3);
+  update_closed(m, cw.q3, cw.v3, cw);
+  return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, vdot);
+}
+
+}  // namespace
+
+void expand_acceleration(const ClosedWorkspace& cw, std::span<const double> vdot_G, std::span<double> vdot) {
+  const auto g = static_cast<std::size_t>(cw.freedoms());
+  for (std::size_t i = 0; i < vdot.size(); ++i) {
+    double sum = cw.h[i];
+    for (std::size_t a = 0; a < g; ++a) sum += cw.H[i * g + a] * vdot_G[a];
+    vdot[i] = sum;
+  }
+}
+
+bool calc_closed_inverse_dynamics(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> vdot, const Vec3& gravity,
+                                  std::span<const Vec6> external, std::span<const double> applied, std::span<const int> driven,
+                                  std::span<const double> weights, std::span<double> tau) {
+  UGOKI_CHECK(tau.size() == static_cast<std::size_t>(m.nv()) && (weights.empty() || weights.size() == driven.size()));
+  open_forces(m, cw, vdot, gravity, external, applied);
+  const auto g = static_cast<std::size_t>(cw.freedoms());
+  reduce_forces(cw, cw.tau1, cw.b_G);
+  // tau = D S (S^T D S)^-1 tau_G with D = 1 / weights: the least weighted norm of all solutions of S^T tau = tau_G
+  std::fill_n(cw.A_G.begin(), g * g, 0.0);
+  for (std::size_t k = 0; k < driven.size(); ++k) {
+    const double* S = cw.H.data() + static_cast<std::size_t>(driven[k]) * g;
+    for (std::size_t a = 0; a < g; ++a)
+      for (std::size_t b = 0; b <= a; ++b) cw.A_G[a * g + b] += S[a] * S[b] / (weights.empty() ? 1.0 : weights[k]);
+  }
+  std::ranges::fill(tau, 0.0);
+  if (!factor_cholesky(cw.A_G, static_cast<int>(g), 1e-13)) return false;
+  solve_cholesky(cw.A_G, static_cast<int>(g), std::span(cw.b_G).first(g));
+  for (std::size_t k = 0; k < driven.size(); ++k) {
+    const double* S = cw.H.data() + static_cast<std::size_t>(driven[k]) * g;
+    double sum = 0;
+    for (std::size_t a = 0; a < g; ++a) sum += S[a] * cw.b_G[a];
+    tau[static_cast<std::size_t>(driven[k])] = sum / (weights.empty() ? 1.0 : weights[k]);
+  }
+  return true;
+}
+
+bool calc_closed_forward_dynamics_by_unit_vectors(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> tau, const Vec3& gravity,
+                                                  std::span<const Vec6> external, std::span<double> vdot) {
+  UGOKI_CHECK(tau.size() == static_cast<std::size_t>(m.nv()) && vdot.size() == tau.size());
+  const std::size_t n = tau.size(), g = static_cast<std::size_t>(cw.freedoms());
+  open_forces(m, cw, cw.h, gravity, external, tau);
+  reduce_forces(cw, cw.tau1, cw.b_G);
+  std::ranges::copy(cw.tau1, cw.v1.begin());
+  for (std::size_t k = 0; k < g; ++k) {
+    for (std::size_t i = 0; i < n; ++i) cw.vdot1[i] = cw.h[i] + cw.H[i * g + k];
+    open_forces(m, cw, cw.vdot1, gravity, external, tau);
+    for (std::size_t i = 0; i < n; ++i) cw.tau1[i] -= cw.v1[i];
+    reduce_forces(cw, cw.tau1, cw.column);
+    for (std::size_t a = 0; a < g; ++a) cw.A_G[a * g + k] = cw.column[a];
+  }
+  for (std::size_t a = 0; a < g; ++a) {
+    cw.b_G[a] = -cw.b_G[a];
+    for (std::size_t b = 0; b < a; ++b) cw.A_G[a * g + b] = 0.5 * (cw.A_G[a * g + b] + cw.A_G[b * g + a]);
+  }
+  if (!factor_cholesky(cw.A_G, static_cast<int>(g), 1e-15)) return false;
+  solve_cholesky(cw.A_G, static_cast<int>(g), std::span(cw.b_G).first(g));
+  expand_acceleration(cw, cw.b_G, vdot);
+  return true;
+}
+
+void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> tau, const Vec3& gravity,
+                      std::span<const Vec6> external, std::span<const double> vdot, std::span<double> multipliers) {
+  open_forces(m, cw, vdot, gravity, external, tau);
+  std::ranges::fill(multipliers, 0.0);
+  const std::size_t n = cw.tau1.size(), r = static_cast<std::size_t>(cw.rank), rows = cw.active.size(), rest = rows - r;
+  // In one unit: the independent rows alone would carry mu = J_S^-T f_S; the others are J_D = L J_I, so the forces of least norm
+  // are [1; L^T]-weighted: multipliers_I = (1 + L^T L)^-1 mu, multipliers_D = L multipliers_I.
+  for (std::size_t i = 0; i < r; ++i) {
+    const auto f = static_cast<std::size_t>(cw.freedom_order[i]);
+    cw.column[i] = cw.tau1[f] * cw.freedom_scale[f];
+  }
+  const std::span<double> mu = std::span(cw.column).first(r);
+  cw.J_S.solve_transposed(mu);
+  cw.pivots.resize(cw.J.size());
+  cw.normal.resize(rows * rows);
+  const auto L_row = [&](std::size_t d) { return std::span(cw.pivots).subspan(d * r, r); };
+  for (std::size_t d = 0; d < rest; ++d) {
+    const double* J = cw.J.data() + static_cast<std::size_t>(cw.row_order[r + d]) * n;
+    for (std::size_t j = 0; j < r; ++j) L_row(d)[j] = J[cw.freedom_order[j]];
+    cw.J_S.solve_transposed(L_row(d));
+  }
+  for (std::size_t a = 0; a < r; ++a)
+    for (std::size_t b = 0; b <= a; ++b) {
+      double sum = a == b ? 1.0 : 0.0;
+      for (std::size_t d = 0; d < rest; ++d) sum += L_row(d)[a] * L_row(d)[b];
+      cw.normal[a * r + b] = sum;
+    }
+  if (!factor_cholesky(cw.normal, cw.rank, 0)) return;  // 1 + L^T L is positive: only a number that is not finite fails
+  solve_cholesky(cw.normal, cw.rank, mu);
+  const auto store = [&](std::size_t k, double value) {
+    const auto row = static_cast<std::size_t>(cw.active[static_cast<std::size_t>(cw.row_order[k])]);
+    multipliers[row] = value * cw.row_scale[row];
+  };
+  for (std::size_t i = 0; i < r; ++i) store(i, mu[i]);
+  for (std::size_t d = 0; d < rest; ++d) {
+    double sum = 0;
+    for (std::size_t j = 0; j < r; ++j) sum += L_row(d)[j] * mu[j];
+    store(r + d, sum);
+  }
+}
+
+Closure project_closed_state(const Mechanism& m, std::span<double> q, std::span<double> v, ClosedWorkspace& cw) {
+  if (cw.full_rank < 0) {
+    if (const Closure c = close_positions(m, q, cw); !c.closed) return c;
+    find_full_rank(m, q, cw);
+  }
+  Closure c = close_theta_S(m, q, cw);
+  if (!c.closed) {
+    c = close_positions(m, q, cw);
+    find_full_rank(m, q, cw);
+  }
+  update_partition(m, cw);
+  apply_partition(cw, v);
+  return c;
+}
+
+bool calc_closed_acceleration(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> q, std::span<const double> v,
+                              std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
+  std::ranges::copy(q, cw.q2.begin());
+  std::ranges::copy(v, cw.v2.begin());
+  if (!project_closed_state(m, cw.q2, cw.v2, cw).closed) return false;
+  update_closed(m, cw.q2, cw.v2, cw);
+  if (!cw.is_singular()) return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, vdot);
+  double speed = 0;
+  for (std::size_t i = 0; i < cw.v2.size(); ++i) speed = std::max(speed, std::fabs(cw.v2[i] / cw.freedom_scale[i]));
+  if (speed == 0) return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, vdot);
+  const double s = 1e-4 / speed;
+  if (!acceleration_beside(m, cw, s, tau, gravity, external, vdot)) return false;
+  if (!acceleration_beside(m, cw, -s, tau, gravity, external, cw.vdot2)) return false;
+  for (std::size_t i = 0; i < vdot.size(); ++i) vdot[i] = 0.5 * (vdot[i] + cw.vdot2[i]);
+  return true;
+}
+
+}  // namespace ugoki::dynamics
