@@ -4,9 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "ugoki/robot_formats/assets.h"
-#include "ugoki/robot_formats/shape_fit.h"
-#include "ugoki/robot_formats/xml_fields.h"
+#include "ugoki/robot_formats/geometry.h"
 
 namespace ugoki::robot_formats {
 
@@ -17,9 +15,5 @@ namespace ugoki::robot_formats {
 /// elements, to be seen only.
 [[nodiscard]] std::vector<Shape> read_urdf_shapes(XmlFields& xml, pugi::xml_node link, const std::optional<SpinAxis>& spin, Meshes meshes,
                                                   Assets& assets);
-
-/// The box around a mesh; nothing, with a note or a problem, where it cannot be had.
-[[nodiscard]] std::optional<Shape> mesh_shape(XmlFields& xml, pugi::xml_node mesh, const std::string& uri, const Vec3& scale, bool collides,
-                                              Meshes meshes, Assets& assets);
 
 }  // namespace ugoki::robot_formats
