@@ -49,26 +49,32 @@ Inertia operator*(const Inertia& i, double s) { return {i.mass * s, i.h * s, i.I
 /// The sweeps over the nodes.
 class ClosedSolver {
  public:
-  ClosedSolver(const Mechanism& m, Workspace& ws, ClosedLinks& c) : m_(m), ws_(ws), c_(c), world_(m.link_count()) {}
+  ClosedSolver(const Mechanism& m, Workspace& ws, ClosedLinks& c) : m_(m), ws_(ws), c_(c), x_(c.over_links_), world_(m.link_count()) {}
 
   void update_rows(std::span<const double> q, std::span<const double> v) { update_loop_rows(m_, ws_, c_.loops_, q, v, c_.rows_); }
 
   bool factor() {
+    c_.singular_freedom_ = -1;
     begin_factor();
     for (int node = world_ - 1; node >= 0; --node) {
       ArticulatedInertia& IA = ws_.IA[at(node)];
       eliminate_at(node, &IA);
       if (!pass_joint(node, IA)) return false;
       if (const int parent = m_.link(node).parent; parent >= 0) add(ws_.IA[at(parent)], IA);
-      for (const ClosedLinks::Present& p : present(node))
-        for (int k = 0; p.parent_P >= 0 && k < c_.entries_[at(p.entry)].rows; ++k) c_.P_[at(p.parent_P + k)] += c_.P_[at(p.P + k)];
+      const Node& n = x_.nodes[at(node)];
+      for (int i = n.present; i < n.present + n.passing_count; ++i) {
+        const ClosedStructure::Present& p = x_.present[at(i)];
+        const int up = x_.present[at(p.parent)].row;
+        for (int k = 0; k < x_.entries[at(p.entry)].rows; ++k) c_.P_[at(up + k)] += c_.P_[at(p.row + k)];
+      }
     }
     eliminate_at(world_, nullptr);
     c_.rank_ = 0;
     std::ranges::fill(c_.independent_, char{0});
-    for (const ClosedLinks::Entry& e : c_.entries_) {
-      c_.rank_ += e.rank;
-      for (int k = 0; k < e.rank; ++k) c_.independent_[at(c_.row_[at(e.first + c_.pivots_[at(e.first + k)])])] = 1;
+    for (std::size_t i = 0; i < x_.entries.size(); ++i) {
+      const Entry& e = x_.entries[i];
+      c_.rank_ += c_.rank_of_[i];
+      for (int k = 0; k < c_.rank_of_[i]; ++k) c_.independent_[at(x_.row[at(e.first + c_.pivots_[at(e.first + k)])])] = 1;
     }
     return true;
   }
@@ -79,20 +85,20 @@ class ClosedSolver {
     for (int node = world_ - 1; node >= 0; --node) {
       Vec6& p = ws_.pA[at(node)];
       reduce_at(node, &p);
-      const ClosedLinks::Node& n = c_.nodes_[at(node)];
+      const Node& n = x_.nodes[at(node)];
       const Link& link = m_.link(node);
       for (int f = link.v_index + link.joint.nv(); f-- > link.v_index;) {
         const double u = (tau.empty() ? 0.0 : tau[at(f)]) - dot(ws_.S[at(f)], p);
         const double du = ws_.d[at(f)] * u;
         ws_.u[at(f)] = u;
         p += ws_.U[at(f)] * du;
-        const double* s = c_.s_.data() + c_.s_start_[at(f)];
+        const double* s = s_of(n, link, f);
         for_passing_multipliers(n, [&](int g, int row) { c_.g_[at(g)] -= s[row] * du; });
       }
       if (with_velocity_products) {
         const Vec6& C = ws_.C[at(node)];
         p += ws_.IA[at(node)] * C;
-        for_passing_multipliers(n, [&](int g, int row) { c_.g_[at(g)] -= dot(c_.P_[at(n.P + row)], C); });
+        for_passing_multipliers(n, [&](int g, int row) { c_.g_[at(g)] -= dot(c_.P_[at(n.row + row)], C); });
       }
       if (link.parent >= 0) ws_.pA[at(link.parent)] += p;
     }
@@ -100,12 +106,12 @@ class ClosedSolver {
     recover_at(world_, A0);
     for (int node = 0; node < world_; ++node) {
       const Link& link = m_.link(node);
-      const ClosedLinks::Node& n = c_.nodes_[at(node)];
+      const Node& n = x_.nodes[at(node)];
       Vec6 A = link.parent >= 0 ? ws_.A[at(link.parent)] : A0;
       if (with_velocity_products) A += ws_.C[at(node)];
       for (int f = link.v_index; f < link.v_index + link.joint.nv(); ++f) {
         double u = ws_.u[at(f)] - dot(ws_.U[at(f)], A);
-        const double* s = c_.s_.data() + c_.s_start_[at(f)];
+        const double* s = s_of(n, link, f);
         for_passing_multipliers(n, [&](int g, int row) { u -= s[row] * c_.lambda_[at(g)]; });
         vdot[at(f)] = ws_.d[at(f)] * u;
         A += ws_.S[at(f)] * vdot[at(f)];
@@ -114,7 +120,7 @@ class ClosedSolver {
       recover_at(node, A);
     }
     std::ranges::fill(c_.multipliers_, 0.0);
-    for (std::size_t k = 0; k < c_.row_.size(); ++k) c_.multipliers_[at(c_.row_[k])] = c_.lambda_[k];
+    for (std::size_t k = 0; k < x_.row.size(); ++k) c_.multipliers_[at(x_.row[k])] = c_.lambda_[k];
   }
 
   void forces_of_motion(std::span<const Vec6> external) {
@@ -122,24 +128,29 @@ class ClosedSolver {
       ws_.pA[i] = cross_force(ws_.V[i], c_.I_[i] * ws_.V[i]);
       if (!external.empty()) ws_.pA[i] -= Vec6{external[i].w - cross(ws_.p0, external[i].v), external[i].v};
     }
-    for (std::size_t k = 0; k < c_.row_.size(); ++k) c_.g_[k] = c_.rows_.drift[at(c_.row_[k])];
+    for (std::size_t k = 0; k < x_.row.size(); ++k) c_.g_[k] = c_.rows_.drift[at(x_.row[k])];
   }
-  void no_forces() { std::ranges::fill(ws_.pA, Vec6{}); }
+  /// -M^-1 J^T (J M^-1 J^T)^-1 g
+  std::span<const double> correct() {
+    std::ranges::fill(ws_.pA, Vec6{});
+    solve({}, false, {}, c_.delta_);
+    return c_.delta_;
+  }
 
   /// g_ <- J v
   void residual_of_velocity(std::span<const double> v) {
-    for (const ClosedLinks::Entry& e : c_.entries_) {
+    for (const ClosedStructure::Entry& e : x_.entries) {
       const Loop& loop = c_.loops_[at(e.loop)];
       if (loop.type == LoopType::gear) {
         c_.g_[at(e.first)] = v[at(loop.freedom_a)] - c_.rows_.slope[at(e.loop)] * v[at(loop.freedom_b)];
         continue;
       }
       const Vec6 V_ba = velocity(loop.link_b) - velocity(loop.link_a);
-      for (int k = e.first; k < e.first + e.rows; ++k) c_.g_[at(k)] = dot(c_.rows_.W[at(c_.row_[at(k)])], V_ba);
+      for (int k = e.first; k < e.first + e.rows; ++k) c_.g_[at(k)] = dot(c_.rows_.W[at(x_.row[at(k)])], V_ba);
     }
   }
   void residual_of_position() {
-    for (std::size_t k = 0; k < c_.row_.size(); ++k) c_.g_[k] = c_.rows_.gap[at(c_.row_[k])];
+    for (std::size_t k = 0; k < x_.row.size(); ++k) c_.g_[k] = c_.rows_.gap[at(x_.row[k])];
   }
   /// ws.A <- velocities of the links at v, by the subspaces that are there.
   void sweep_velocity(std::span<const double> v) {
@@ -152,22 +163,28 @@ class ClosedSolver {
   }
 
  private:
-  [[nodiscard]] Vec6 velocity(int link) const { return link < 0 ? Vec6{} : ws_.A[at(link)]; }
+  using Node = ClosedStructure::Node;
+  using Entry = ClosedStructure::Entry;
+  using Elimination = ClosedStructure::Elimination;
 
-  std::span<const ClosedLinks::Present> present(int node) const {
-    const ClosedLinks::Node& n = c_.nodes_[at(node)];
-    return std::span(c_.present_).subspan(at(n.present), at(n.present_count));
-  }
+  [[nodiscard]] Vec6 velocity(int link) const { return link < 0 ? Vec6{} : ws_.A[at(link)]; }
 
   /// f(place of the multiplier, its place among the node's rows) for every multiplier that passes the node.
   template <class F>
-  void for_passing_multipliers(const ClosedLinks::Node& n, F&& f) const {
+  void for_passing_multipliers(const Node& n, F&& f) const {
     for (int i = 0; i < n.passing_count; ++i) {
-      const ClosedLinks::Present& p = c_.present_[at(n.present + i)];
-      const ClosedLinks::Entry& e = c_.entries_[at(p.entry)];
-      for (int k = 0; k < e.rows; ++k) f(e.first + k, p.P - n.P + k);
+      const ClosedStructure::Present& p = x_.present[at(n.present + i)];
+      const Entry& e = x_.entries[at(p.entry)];
+      for (int k = 0; k < e.rows; ++k) f(e.first + k, p.row - n.row + k);
     }
   }
+
+  double* s_of(const Node& n, const Link& link, int freedom) const {
+    return c_.s_.data() + n.s_row + (freedom - link.v_index) * n.passing_rows;
+  }
+  int rows_at(const Node& n, int place) const { return x_.entries[at(x_.present[at(n.present + place)].entry)].rows; }
+  int place_of(const Node& n, int place) const { return x_.present[at(n.present + place)].row - n.row; }
+  double* block(int index) const { return c_.Lambda_.data() + 36 * index; }
 
   void begin_factor() {
     std::ranges::copy(ws_.I, c_.I_.begin());
@@ -176,54 +193,59 @@ class ClosedSolver {
     std::ranges::fill(c_.P_, Vec6{});
     std::ranges::fill(c_.Lambda_, 0.0);
     std::ranges::fill(c_.reduced_, 0.0);
-    for (const ClosedLinks::Entry& e : c_.entries_) {
-      if (e.P_b < 0) continue;  // a gear
+    for (const Entry& e : x_.entries) {
+      if (e.present_b < 0) continue;  // a gear
+      const int a = x_.present[at(e.present_a)].row, b = x_.present[at(e.present_b)].row;
       for (int k = 0; k < e.rows; ++k) {
-        const Vec6& w = c_.rows_.W[at(c_.row_[at(e.first + k)])];
-        c_.P_[at(e.P_b + k)] -= w;
-        c_.P_[at(e.P_a + k)] += w;
+        const Vec6& w = c_.rows_.W[at(x_.row[at(e.first + k)])];
+        c_.P_[at(b + k)] -= w;
+        c_.P_[at(a + k)] += w;
       }
     }
   }
 
   bool pass_joint(int node, ArticulatedInertia& IA) {
-    const ClosedLinks::Node& n = c_.nodes_[at(node)];
+    const Node& n = x_.nodes[at(node)];
     const Link& link = m_.link(node);
     for (int f = link.v_index + link.joint.nv(); f-- > link.v_index;) {
       const Vec6& S = ws_.S[at(f)];
       const Vec6 U = IA * S;
       const double pivot = dot(S, U) + ws_.freedoms[at(f)].armature;
-      if (!(pivot > 0)) return false;
+      if (!(pivot > 0)) {
+        c_.singular_freedom_ = f;
+        return false;
+      }
       const double d = 1.0 / pivot;
       ws_.U[at(f)] = U;
       ws_.d[at(f)] = d;
       add_outer(IA, U, -d);
       if (n.passing_rows == 0) continue;
-      double* s = c_.s_.data() + c_.s_start_[at(f)];
-      Vec6* P = c_.P_.data() + n.P;
+      double* s = s_of(n, link, f);
+      Vec6* P = c_.P_.data() + n.row;
       for (int k = 0; k < n.passing_rows; ++k) s[k] = dot(S, P[k]);
       for (int k = n.gears; k < n.gears + n.gear_count; ++k) {
-        const ClosedLinks::Gear& gear = c_.gears_[at(k)];
-        if (gear.freedom == f) c_.s_[at(gear.s)] -= gear.second ? -c_.rows_.slope[at(gear.loop)] : 1.0;
+        const ClosedStructure::Gear& gear = x_.gears[at(k)];
+        if (gear.freedom == f) s[place_of(n, gear.place)] -= gear.second ? -c_.rows_.slope[at(gear.loop)] : 1.0;
       }
       for (int k = 0; k < n.passing_rows; ++k) P[k] -= U * (d * s[k]);
       for (int k = n.pairs; k < n.pairs + n.pair_count; ++k) {
-        const ClosedLinks::Pair& pair = c_.pairs_[at(k)];
-        double* block = c_.Lambda_.data() + pair.block;
-        for (int i = 0; i < pair.rows_a; ++i) {
-          const double t = d * s[pair.a + i];
-          for (int j = 0; j < pair.rows_b; ++j) *block++ += t * s[pair.b + j];
-        }
+        const ClosedStructure::Pair& pair = x_.pairs[at(k)];
+        const double *a = s + place_of(n, pair.a), *b = s + place_of(n, pair.b);
+        const int rows_a = rows_at(n, pair.a), rows_b = rows_at(n, pair.b);
+        double* to = block(pair.block);
+        for (int i = 0; i < rows_a; ++i)
+          for (int j = 0; j < rows_b; ++j) *to++ += d * a[i] * b[j];
       }
     }
     return true;
   }
 
   /// Cholesky of the entry's own block with the greatest pivot first; stops where only dependent rows are left.
-  void factor_block(ClosedLinks::Entry& e) {
+  void factor_block(int entry) {
+    const Entry& e = x_.entries[at(entry)];
     const int r = e.rows;
-    double* A = c_.Lambda_.data() + e.diagonal;  // full, symmetric; its lower part is overwritten
-    double* C = c_.C_.data() + e.C;
+    const double* A = block(e.diagonal);
+    double* C = c_.C_.data() + 36 * entry;
     int* order = c_.pivots_.data() + e.first;
     for (int i = 0; i < r; ++i) order[i] = i;
     double diagonal[6], before[6];
@@ -231,8 +253,9 @@ class ClosedSolver {
       diagonal[i] = A[i * r + i];
       before[i] = diagonal[i] + c_.reduced_[at(e.first + i)];
     }
-    e.rank = 0;
-    for (int k = 0; k < r; ++k) {
+    int& rank = c_.rank_of_[at(entry)];
+    for (rank = 0; rank < r; ++rank) {
+      const int k = rank;
       int best = k;
       const auto part = [&](int i) { return before[order[i]] > 0 ? diagonal[order[i]] / before[order[i]] : 0.0; };
       for (int i = k + 1; i < r; ++i)
@@ -250,79 +273,79 @@ class ClosedSolver {
         C[i * r + k] = x / c;
         diagonal[order[i]] -= C[i * r + k] * C[i * r + k];
       }
-      ++e.rank;
     }
   }
 
   void eliminate_at(int node, ArticulatedInertia* IA) {
-    const ClosedLinks::Node& n = c_.nodes_[at(node)];
+    const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations; x < n.eliminations + n.elimination_count; ++x) {
-      const ClosedLinks::Elimination& elimination = c_.eliminations_[at(x)];
-      ClosedLinks::Entry& e = c_.entries_[at(elimination.entry)];
-      factor_block(e);
-      const int r = e.rows;
-      const double* C = c_.C_.data() + e.C;
+      const Elimination& elimination = x_.eliminations[at(x)];
+      factor_block(elimination.entry);
+      const Entry& e = x_.entries[at(elimination.entry)];
+      const int r = e.rows, rank = c_.rank_of_[at(elimination.entry)];
+      const double* C = c_.C_.data() + 36 * elimination.entry;
       const int* order = c_.pivots_.data() + e.first;
+      const int row = x_.present[at(elimination.present)].row;
       Vec6* Z = c_.Z_.data() + e.first;
-      for (int k = 0; k < e.rank; ++k) {
-        Z[k] = c_.P_[at(elimination.P + order[k])];
+      for (int k = 0; k < rank; ++k) {
+        Z[k] = c_.P_[at(row + order[k])];
         for (int j = 0; j < k; ++j) Z[k] -= Z[j] * C[k * r + j];
         Z[k] = Z[k] * (1.0 / C[k * r + k]);
         if (IA) add_outer(*IA, Z[k], 1.0);
       }
-      for (int o = elimination.neighbours; o < elimination.neighbours + elimination.neighbour_count; ++o)
-        reduce_neighbour(e, c_.neighbours_[at(o)]);
+      for (int o = 0; o < elimination.neighbour_count; ++o) reduce_neighbour(elimination, elimination.neighbours + o);
       for (int k = elimination.updates; k < elimination.updates + elimination.update_count; ++k) {
-        const ClosedLinks::Update& u = c_.updates_[at(k)];
-        const ClosedLinks::Neighbour &a = c_.neighbours_[at(elimination.neighbours + u.a)],
-                                     &b = c_.neighbours_[at(elimination.neighbours + u.b)];
-        const int rows_a = c_.entries_[at(a.entry)].rows, rows_b = c_.entries_[at(b.entry)].rows;
-        for (int q = 0; q < e.rank; ++q) {
-          const double *Ya = c_.Y_.data() + a.Y + q * rows_a, *Yb = c_.Y_.data() + b.Y + q * rows_b;
-          double* block = c_.Lambda_.data() + u.block;
+        const ClosedStructure::Update& u = x_.updates[at(k)];
+        const int rows_a = neighbour(u.a).rows, rows_b = neighbour(u.b).rows;
+        for (int q = 0; q < rank; ++q) {
+          const double *Ya = Y(u.a) + q * rows_a, *Yb = Y(u.b) + q * rows_b;
+          double* to = block(u.block);
           for (int i = 0; i < rows_a; ++i)
-            for (int j = 0; j < rows_b; ++j) *block++ -= Ya[i] * Yb[j];
+            for (int j = 0; j < rows_b; ++j) *to++ -= Ya[i] * Yb[j];
         }
       }
     }
   }
 
+  const Entry& neighbour(int index) const { return x_.entries[at(x_.neighbours[at(index)].entry)]; }
+  double* Y(int neighbour) const { return c_.Y_.data() + 36 * neighbour; }
+
   /// Y = C^-1 Lambda(e, o); P_o -= Z^T Y
-  void reduce_neighbour(const ClosedLinks::Entry& e, const ClosedLinks::Neighbour& o) {
-    const ClosedLinks::Entry& other = c_.entries_[at(o.entry)];
+  void reduce_neighbour(const Elimination& elimination, int index) {
+    const Entry &e = x_.entries[at(elimination.entry)], &other = neighbour(index);
+    const ClosedStructure::Neighbour& o = x_.neighbours[at(index)];
     const int r = e.rows, columns = other.rows;
-    const double* C = c_.C_.data() + e.C;
+    const double* C = c_.C_.data() + 36 * elimination.entry;
     const int* order = c_.pivots_.data() + e.first;
-    const double* block = c_.Lambda_.data() + o.block;
-    double* Y = c_.Y_.data() + o.Y;
-    for (int k = 0; k < e.rank; ++k)
+    const double* from = block(o.block);
+    const int row = x_.present[at(o.present)].row;
+    double* to = Y(index);
+    for (int k = 0; k < c_.rank_of_[at(elimination.entry)]; ++k)
       for (int j = 0; j < columns; ++j) {
-        double y = o.transposed ? block[j * r + order[k]] : block[order[k] * columns + j];
-        for (int i = 0; i < k; ++i) y -= C[k * r + i] * Y[i * columns + j];
+        double y = o.transposed ? from[j * r + order[k]] : from[order[k] * columns + j];
+        for (int i = 0; i < k; ++i) y -= C[k * r + i] * to[i * columns + j];
         y /= C[k * r + k];
-        Y[k * columns + j] = y;
+        to[k * columns + j] = y;
         c_.reduced_[at(other.first + j)] += y * y;
-        c_.P_[at(o.P + j)] -= c_.Z_[at(e.first + k)] * y;
+        c_.P_[at(row + j)] -= c_.Z_[at(e.first + k)] * y;
       }
   }
 
   void reduce_at(int node, Vec6* p) {
-    const ClosedLinks::Node& n = c_.nodes_[at(node)];
+    const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations; x < n.eliminations + n.elimination_count; ++x) {
-      const ClosedLinks::Elimination& elimination = c_.eliminations_[at(x)];
-      const ClosedLinks::Entry& e = c_.entries_[at(elimination.entry)];
-      const double* C = c_.C_.data() + e.C;
+      const Elimination& elimination = x_.eliminations[at(x)];
+      const Entry& e = x_.entries[at(elimination.entry)];
+      const double* C = c_.C_.data() + 36 * elimination.entry;
       double* z = c_.z_.data() + e.first;
-      for (int k = 0; k < e.rank; ++k) {
+      for (int k = 0; k < c_.rank_of_[at(elimination.entry)]; ++k) {
         double y = c_.g_[at(e.first + c_.pivots_[at(e.first + k)])];
         for (int j = 0; j < k; ++j) y -= C[k * e.rows + j] * z[j];
         z[k] = y / C[k * e.rows + k];
         if (p) *p -= c_.Z_[at(e.first + k)] * z[k];
         for (int o = elimination.neighbours; o < elimination.neighbours + elimination.neighbour_count; ++o) {
-          const ClosedLinks::Neighbour& other = c_.neighbours_[at(o)];
-          const ClosedLinks::Entry& oe = c_.entries_[at(other.entry)];
-          const double* Y = c_.Y_.data() + other.Y + k * oe.rows;
-          for (int j = 0; j < oe.rows; ++j) c_.g_[at(oe.first + j)] -= Y[j] * z[k];
+          const Entry& other = neighbour(o);
+          for (int j = 0; j < other.rows; ++j) c_.g_[at(other.first + j)] -= Y(o)[k * other.rows + j] * z[k];
         }
       }
     }
@@ -330,25 +353,24 @@ class ClosedSolver {
 
   /// lambda = C^-T (Z A - z - Y lambda_neighbours)
   void recover_at(int node, const Vec6& A) {
-    const ClosedLinks::Node& n = c_.nodes_[at(node)];
+    const Node& n = x_.nodes[at(node)];
     for (int x = n.eliminations + n.elimination_count; x-- > n.eliminations;) {
-      const ClosedLinks::Elimination& elimination = c_.eliminations_[at(x)];
-      const ClosedLinks::Entry& e = c_.entries_[at(elimination.entry)];
-      const double* C = c_.C_.data() + e.C;
+      const Elimination& elimination = x_.eliminations[at(x)];
+      const Entry& e = x_.entries[at(elimination.entry)];
+      const int rank = c_.rank_of_[at(elimination.entry)];
+      const double* C = c_.C_.data() + 36 * elimination.entry;
       const int* order = c_.pivots_.data() + e.first;
       double y[6] = {};
-      for (int k = 0; k < e.rank; ++k) {
+      for (int k = 0; k < rank; ++k) {
         y[k] = dot(c_.Z_[at(e.first + k)], A) - c_.z_[at(e.first + k)];
         for (int o = elimination.neighbours; o < elimination.neighbours + elimination.neighbour_count; ++o) {
-          const ClosedLinks::Neighbour& other = c_.neighbours_[at(o)];
-          const ClosedLinks::Entry& oe = c_.entries_[at(other.entry)];
-          const double* Y = c_.Y_.data() + other.Y + k * oe.rows;
-          for (int j = 0; j < oe.rows; ++j) y[k] -= Y[j] * c_.lambda_[at(oe.first + j)];
+          const Entry& other = neighbour(o);
+          for (int j = 0; j < other.rows; ++j) y[k] -= Y(o)[k * other.rows + j] * c_.lambda_[at(other.first + j)];
         }
       }
       for (int k = 0; k < e.rows; ++k) c_.lambda_[at(e.first + k)] = 0;
-      for (int k = e.rank; k-- > 0;) {
-        for (int i = k + 1; i < e.rank; ++i) y[k] -= C[i * e.rows + k] * y[i];
+      for (int k = rank; k-- > 0;) {
+        for (int i = k + 1; i < rank; ++i) y[k] -= C[i * e.rows + k] * y[i];
         y[k] /= C[k * e.rows + k];
         c_.lambda_[at(e.first + order[k])] = y[k];
       }
@@ -358,8 +380,73 @@ class ClosedSolver {
   const Mechanism& m_;
   Workspace& ws_;
   ClosedLinks& c_;
+  const ClosedStructure& x_;
   int world_;
 };
+
+namespace {
+
+ClosedTree tree_of_links(const Mechanism& m) {
+  ClosedTree tree;
+  for (int i = 0; i < m.link_count(); ++i) {
+    tree.parent.push_back(m.link(i).parent);
+    tree.freedoms.push_back(m.link(i).joint.nv());
+    tree.node_of_link.push_back(i);
+  }
+  for (int f = 0; f < m.nv(); ++f) tree.node_of_freedom.push_back(m.link_of_freedom(f));
+  return tree;
+}
+
+std::vector<char> closed_at_start(const Mechanism& m) {
+  std::vector<char> closed;
+  for (const Loop& loop : m.loops()) closed.push_back(loop.closed);
+  return closed;
+}
+
+}  // namespace
+
+ClosedLinks::ClosedLinks(const Mechanism& m) : ClosedLinks(m, {m.loops().begin(), m.loops().end()}, closed_at_start(m)) {}
+
+ClosedLinks::ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows)
+    : loops_(std::move(loops)), rows_(loops_), over_links_(tree_of_links(m), loops_, closed, rows_.first, rows) {
+  const ClosedStructure& x = over_links_;
+  const std::size_t n = x.row.size();
+  share_inertias(m);
+  I_.resize(m.links().size());
+  P_.resize(at(x.present_rows));
+  s_.resize(at(x.s_rows));
+  Lambda_.resize(36 * at(x.blocks));
+  C_.resize(36 * x.entries.size());
+  Y_.resize(36 * x.neighbours.size());
+  rank_of_.resize(x.entries.size());
+  pivots_.resize(n);
+  Z_.resize(n);
+  for (std::vector<double>* v : {&reduced_, &g_, &z_, &lambda_}) v->resize(n);
+  multipliers_.resize(at(rows_.count()));
+  independent_.resize(at(rows_.count()));
+  delta_.resize(at(m.nv()));
+}
+
+// A virtual link is a second body of its real link: where it has no inertia of its own, the two share the real one's. The closed
+// system stays the same, and no joint of the cut tree is without inertia.
+void ClosedLinks::share_inertias(const Mechanism& m) {
+  std::vector<int> bodies(m.links().size(), 1);
+  const auto second_body = [&](const ClosedStructure::Entry& e) {
+    const Loop& loop = loops_[at(e.loop)];
+    if (!loop.of_virtual_link) return false;
+    const Inertia& own = m.link(loop.link_b).inertia;
+    return own.mass == 0 && own.I == Sym3{};
+  };
+  for (const ClosedStructure::Entry& e : over_links_.entries)
+    if (second_body(e)) ++bodies[at(loops_[at(e.loop)].link_a)];
+  for (const ClosedStructure::Entry& e : over_links_.entries) {
+    if (!second_body(e)) continue;
+    const Loop& loop = loops_[at(e.loop)];
+    shares_.push_back({loop.link_b, loop.link_a, 1.0 / bodies[at(loop.link_a)]});
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (bodies[i] > 1) shares_.push_back({static_cast<int>(i), static_cast<int>(i), 1.0 / bodies[i]});
+}
 
 ClosedStatus factor_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> q,
                                  std::span<const double> v) {
@@ -379,9 +466,8 @@ void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, st
   ClosedSolver solver(m, ws, closed);
   solver.sweep_velocity(v);
   solver.residual_of_velocity(v);
-  solver.no_forces();
-  solver.solve({}, false, {}, ws.vdot);
-  for (std::size_t i = 0; i < v.size(); ++i) v[i] += ws.vdot[i];
+  const std::span<const double> delta = solver.correct();
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] += delta[i];
 }
 
 ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
@@ -397,9 +483,7 @@ ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& cl
     last = gap;
     ClosedSolver solver(m, ws, closed);
     solver.residual_of_position();
-    solver.no_forces();
-    solver.solve({}, false, {}, ws.vdot);
-    integrate(m, q, ws.vdot, 1.0, q);
+    integrate(m, q, solver.correct(), 1.0, q);
   }
 }
 

@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "ugoki/dynamics/closed_structure.h"
 #include "ugoki/dynamics/loop_rows.h"
 
 namespace ugoki::dynamics {
@@ -28,96 +29,48 @@ class ClosedLinks {
   ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows = {});
 
   [[nodiscard]] std::span<const Loop> loops() const { return loops_; }
-  [[nodiscard]] bool is_closed(int loop) const { return entry_of_loop_[static_cast<std::size_t>(loop)] >= 0; }
+  [[nodiscard]] bool is_closed(int loop) const { return over_links_.entry_of_loop[static_cast<std::size_t>(loop)] >= 0; }
   [[nodiscard]] const LoopRows& rows() const { return rows_; }
   /// Multipliers of the last solve: N | N m (forces) or N s | N m s (impulses), zero for open loops. [rows().count()]
   [[nodiscard]] std::span<const double> multipliers() const { return multipliers_; }
   /// Independent rows found by the last factorization.
   [[nodiscard]] int rank() const { return rank_; }
+  /// The freedom at which the last factorization found no inertia, or -1.
+  [[nodiscard]] int singular_freedom() const { return singular_freedom_; }
   /// For each row of rows(): 1 if it took part in the last factorization as an independent one. [rows().count()]
   [[nodiscard]] std::span<const char> independent() const { return independent_; }
 
  private:
   friend class ClosedSolver;
-  friend class ClosedAnalysis;
 
-  /// A closed loop.
-  struct Entry {
-    int loop;
-    int rows;      ///< that take part
-    int first;     ///< first of its multipliers in row_, g_, lambda_, Z_
-    int meeting;   ///< node where its branches meet
-    int P_a, P_b;  ///< its rows at its own links; -1: gears
-    int diagonal;  ///< its block in Lambda_
-    int C;         ///< first number of its factor in C_
-    int rank = 0;
-  };
-  /// A loop at a node. Loops that go on to the parent come first, in the order of entries.
-  struct Present {
-    int entry;
-    int P;         ///< first row in P_
-    int parent_P;  ///< where it goes on in the parent's rows; -1: it is eliminated here
-  };
-  struct Pair {
-    int block, a, b;  ///< Lambda_ block += d s_a s_b^T; a, b: first places in the node's s; rows of a, b
-    int rows_a, rows_b;
-  };
-  struct Neighbour {
-    int entry, block, Y, P;  ///< Lambda_ block (this, neighbour) or its transpose; place in Y_; row in P_ or -1
-    bool transposed;
-  };
-  struct Update {
-    int block, a, b;  ///< Lambda_ block (a, b) -= Y_a^T Y_b; a, b: places in the list of neighbours
-  };
-  struct Elimination {
-    int entry, P;
-    int neighbours, neighbour_count;
-    int updates, update_count;
-  };
-  struct Gear {
-    int freedom, s, loop;  ///< place in s_
-    bool second;           ///< the freedom is the loop's freedom b
-  };
-  struct Node {
-    int present = 0, present_count = 0, passing_count = 0;
-    int P = 0, P_rows = 0, passing_rows = 0;
-    int pairs = 0, pair_count = 0;
-    int eliminations = 0, elimination_count = 0;
-    int gears = 0, gear_count = 0;
-  };
   /// Part of another link's inertia that a link without one of its own takes (virtual links).
   struct Share {
     int link, source;
     double part;
   };
+  void share_inertias(const Mechanism& m);
 
   std::vector<Loop> loops_;
-  std::vector<int> entry_of_loop_;  ///< [loops] -1: open
   LoopRows rows_;
-
-  std::vector<Entry> entries_;
-  std::vector<int> row_;     ///< [multipliers] in rows_
-  std::vector<Node> nodes_;  ///< [links + 1], the last one is the world
-  std::vector<Present> present_;
-  std::vector<Pair> pairs_;
-  std::vector<Elimination> eliminations_;
-  std::vector<Neighbour> neighbours_;
-  std::vector<Update> updates_;
-  std::vector<Gear> gears_;
-  std::vector<int> s_start_;  ///< [nv]
+  ClosedStructure over_links_;
   std::vector<Share> shares_;
 
-  std::vector<Inertia> I_;  ///< [links] with the shares
-  std::vector<Vec6> P_;
-  std::vector<double> s_;
-  std::vector<double> Lambda_, reduced_;
-  std::vector<double> C_, Y_;
-  std::vector<int> pivots_;  ///< [multipliers] rows of a block in the order of their pivots
-  std::vector<Vec6> Z_;
-  std::vector<double> g_, z_, lambda_;
+  std::vector<Inertia> I_;              ///< [links] with the shares
+  std::vector<Vec6> P_;                 ///< [present_rows]
+  std::vector<double> s_;               ///< [s_rows]
+  std::vector<double> Lambda_;          ///< [blocks * 36] row by row, as wide as the second entry
+  std::vector<double> C_;               ///< [entries * 36] factor of the own block
+  std::vector<double> Y_;               ///< [neighbours * 36]
+  std::vector<int> rank_of_;            ///< [entries]
+  std::vector<int> pivots_;             ///< [multipliers] rows of a block in the order of their pivots
+  std::vector<Vec6> Z_;                 ///< [multipliers]
+  std::vector<double> reduced_;         ///< [multipliers] what eliminations took from the diagonal
+  std::vector<double> g_, z_, lambda_;  ///< [multipliers]
   std::vector<double> multipliers_;
   std::vector<char> independent_;
+  std::vector<double> delta_;  ///< [nv] corrections of the projections
   int rank_ = 0;
+  int singular_freedom_ = -1;
 };
 
 /// What a solve came to.
