@@ -43,6 +43,8 @@ struct BatchKernels {
   int lanes;
   void (*inverse)(const KernelArguments<Real>&);
   unsigned (*forward)(const KernelArguments<Real>&);
+  /// q, v <- a semi-implicit step with the accelerations `in`, but not of the instances whose bit is set in `stays`.
+  void (*step)(const KernelArguments<Real>&, Real* q, Real* v, Real dt, unsigned stays);
 };
 
 struct Kernels {

@@ -5,6 +5,7 @@
 #include "ugoki/dynamics/kernel_forward.h"
 #include "ugoki/dynamics/kernel_inertia.h"
 #include "ugoki/dynamics/kernel_inverse.h"
+#include "ugoki/dynamics/kernel_step.h"
 
 namespace ugoki::dynamics {
 namespace {
@@ -28,6 +29,13 @@ unsigned forward_batch(const KernelArguments<typename T::Real>& a) {
   return out;
 }
 
+template <class T>
+void step_batch(const KernelArguments<typename T::Real>& a, typename T::Real* q, typename T::Real* v, typename T::Real dt, unsigned stays) {
+  typename T::Real flags[T::count];
+  for (int i = 0; i < T::count; ++i) flags[i] = (stays >> i & 1U) != 0 ? typename T::Real(1) : typename T::Real(0);
+  StepKernel<T>(a, q, v, dt, T::load(flags) > T(0)).run();
+}
+
 void sines(const double* x, double* s, double* c, int n) {
   using T = Wide<double>;
   for (int i = 0; i < n; i += T::count) {
@@ -45,8 +53,8 @@ const Kernels table = {inverse<One>,
                        forward_one,
                        inertia_one,
                        sines,
-                       {UGOKI_DOUBLE_LANES, inverse<Wide<double>>, forward_batch<Wide<double>>},
-                       {UGOKI_FLOAT_LANES, inverse<Wide<float>>, forward_batch<Wide<float>>}};
+                       {UGOKI_DOUBLE_LANES, inverse<Wide<double>>, forward_batch<Wide<double>>, step_batch<Wide<double>>},
+                       {UGOKI_FLOAT_LANES, inverse<Wide<float>>, forward_batch<Wide<float>>, step_batch<Wide<float>>}};
 }  // namespace UGOKI_WIDTH
 
 }  // namespace ugoki::dynamics

@@ -43,7 +43,11 @@ struct Lanes {
 
   Lanes() = default;
   Lanes(Real s) : v(s - Vector{}) {}  // s - 0 is s, its sign kept
-  explicit Lanes(Vector x) : v(x) {}
+  static Lanes of(const Vector& x) {
+    Lanes out;
+    out.v = x;
+    return out;
+  }
   static Lanes load(const Real* p) {
     Lanes x;
     __builtin_memcpy(&x.v, p, sizeof x.v);
@@ -51,11 +55,11 @@ struct Lanes {
   }
   void store(Real* p) const { __builtin_memcpy(p, &v, sizeof v); }
 
-  friend Lanes operator+(Lanes a, Lanes b) { return Lanes(a.v + b.v); }
-  friend Lanes operator-(Lanes a, Lanes b) { return Lanes(a.v - b.v); }
-  friend Lanes operator*(Lanes a, Lanes b) { return Lanes(a.v * b.v); }
-  friend Lanes operator/(Lanes a, Lanes b) { return Lanes(a.v / b.v); }
-  friend Lanes operator-(Lanes a) { return Lanes(-a.v); }
+  friend Lanes operator+(Lanes a, Lanes b) { return of(a.v + b.v); }
+  friend Lanes operator-(Lanes a, Lanes b) { return of(a.v - b.v); }
+  friend Lanes operator*(Lanes a, Lanes b) { return of(a.v * b.v); }
+  friend Lanes operator/(Lanes a, Lanes b) { return of(a.v / b.v); }
+  friend Lanes operator-(Lanes a) { return of(-a.v); }
   Lanes& operator+=(Lanes b) { return *this = *this + b; }
   Lanes& operator-=(Lanes b) { return *this = *this - b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
@@ -93,7 +97,7 @@ Lanes<Real, N> select(LaneMask<Real, N> mask, Lanes<Real, N> a, Lanes<Real, N> b
   if constexpr (N == 1)
     return mask.m ? a : b;
   else
-    return Lanes<Real, N>(mask.m ? a.v : b.v);
+    return Lanes<Real, N>::of(mask.m ? a.v : b.v);
 }
 template <class Real, int N>
 bool any(LaneMask<Real, N> mask) {

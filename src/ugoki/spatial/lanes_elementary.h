@@ -41,7 +41,7 @@ LaneSinCos<T> turn_by_quarters(T n, T s, T c) {
     const Ints odd = (k & 1) != 0;
     const Ints a = __builtin_bit_cast(Ints, odd ? c.v : s.v), b = __builtin_bit_cast(Ints, odd ? s.v : c.v);
     using Vector = typename T::Vector;
-    return {T(__builtin_bit_cast(Vector, a ^ ((k & 2) << top))), T(__builtin_bit_cast(Vector, b ^ (((k + 1) & 2) << top)))};
+    return {T::of(__builtin_bit_cast(Vector, a ^ ((k & 2) << top))), T::of(__builtin_bit_cast(Vector, b ^ (((k + 1) & 2) << top)))};
   }
 }
 
@@ -53,7 +53,7 @@ LaneSinCos<Lanes<double, N>> lane_sin_cos(Lanes<double, N> x) {
   T head = (x - n * T(0x1.921fb544p+0)) - n * T(0x1.0b4611a6p-34);
   T small = n * T(0x1.3198a2e037073p-69);
   T smaller(0.0);
-  const auto far = !(n < T(0x1p20)) | !(n > T(-0x1p20));
+  const auto far = (!(n < T(0x1p20))) | (!(n > T(-0x1p20)));
   if (any(far)) {
     head = select(far, (x - n * T(0x1.921fb54000000p+0)) - n * T(0x1.10b4600000000p-30), head);
     small = select(far, n * T(0x1.1a62630000000p-54), small);
@@ -85,7 +85,7 @@ LaneSinCos<Lanes<double, N>> lane_sin_cos(Lanes<double, N> x) {
   const T cosine = cap + (((T(1.0) - cap) - half) + (z * z * c - r * tail));
 
   const LaneSinCos<T> out = turn_by_quarters(n, sine, cosine);
-  const auto outside = !(x > T(-1e8)) | !(x < T(1e8));
+  const auto outside = (!(x > T(-1e8))) | (!(x < T(1e8)));
   const T nan(__builtin_nan(""));
   return {select(outside, nan, out.sin), select(outside, nan, out.cos)};
 }
@@ -108,7 +108,7 @@ LaneSinCos<Lanes<float, N>> lane_sin_cos(Lanes<float, N> x) {
   c = c * z + T(1.0f / 24.0f);
   const T cosine = (T(1.0f) - T(0.5f) * z) + z * z * c;
   const LaneSinCos<T> out = turn_by_quarters(n, sine, cosine);
-  const auto outside = !(x > T(-1e5f)) | !(x < T(1e5f));
+  const auto outside = (!(x > T(-1e5f))) | (!(x < T(1e5f)));
   const T nan(__builtin_nanf(""));
   return {select(outside, nan, out.sin), select(outside, nan, out.cos)};
 }
