@@ -31,9 +31,13 @@ double scaled_gap(const ClosedWorkspace& cw, int active_row) {
   return cw.row_scale[row] * cw.rows.gap[row];
 }
 
-double greatest_independent_gap(const ClosedWorkspace& cw) {
+/// Of the first `count` rows in the order of the choice: all of them, or the independent ones.
+double greatest_gap(const ClosedWorkspace& cw, int count) {
   double most = 0;
-  for (int i = 0; i < cw.rank; ++i) most = std::max(most, std::fabs(scaled_gap(cw, cw.row_order[static_cast<std::size_t>(i)])));
+  for (int i = 0; i < count; ++i) {
+    const int row = cw.rank < 0 ? i : cw.row_order[static_cast<std::size_t>(i)];
+    most = std::max(most, std::fabs(scaled_gap(cw, row)));
+  }
   return most;
 }
 
@@ -130,8 +134,8 @@ Closure close_theta_S(const Mechanism& m, std::span<double> q, ClosedWorkspace& 
   if (cw.rank != cw.full_rank) cw.rank = -1;  // left from a singular position
   for (; iterations < 20; ++iterations) {
     update_gaps(m, q, cw);
-    const double gap = cw.rank < 0 ? squared_gap(cw) : greatest_independent_gap(cw);
-    settled = cw.rank >= 0 && gap <= cw.gap_tolerance * extent(cw) / cw.length;
+    const double gap = greatest_gap(cw, cw.rank < 0 ? static_cast<int>(cw.active.size()) : cw.rank);
+    settled = gap <= cw.gap_tolerance * extent(cw) / cw.length;
     if (settled || !std::isfinite(gap)) break;
     // At rounding the gap no longer shrinks
     if (iterations > 1 && gap > 0.5 * last) {
@@ -255,20 +259,21 @@ int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspac
     update_partition(m, cw);
     return cw.rank;
   };
-  const std::vector<double> start(q.begin(), q.end());
-  std::vector<double> moved = start, best_place = start, direction(static_cast<std::size_t>(m.nv()));
-  int best = rank_at(start);
+  std::vector<double> best_place(q.begin(), q.end()), moved = best_place, direction(static_cast<std::size_t>(m.nv()));
+  int best = rank_at(best_place);
   cw.contradiction = std::sqrt(squared_gap(cw));
   Sequence sequence;
-  for (int k = 0; k < 6 && rank_at(start) < m.nv(); ++k) {
+  for (int tries = 0; tries < 8 && best < m.nv(); ++tries) {
+    rank_at(best_place);
     for (const int f : cw.theta_G())
       direction[static_cast<std::size_t>(f)] = sequence.next() * cw.freedom_scale[static_cast<std::size_t>(f)];
     apply_partition(cw, direction);
-    integrate(m, start, direction, k % 2 == 0 ? 0.05 : 0.01, moved);
+    integrate(m, best_place, direction, tries % 2 == 0 ? 0.05 : 0.2, moved);
     if (!close_positions(m, moved, cw).closed) continue;
     if (const int rank = rank_at(moved); rank > best) {
       best = rank;
       best_place = moved;
+      tries = 0;
     }
   }
   std::ranges::copy(best_place.begin(), best_place.begin() + static_cast<std::ptrdiff_t>(general.size()), general.begin());
