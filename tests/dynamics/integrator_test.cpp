@@ -3,120 +3,273 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
 
-#include "random_mechanism.h"
+#include "elliptic.h"
+#include "integrator_scenes.h"
 #include "ugoki/base/hash.h"
+#include "ugoki/dynamics/centroidal.h"
+#include "ugoki/dynamics/dynamics.h"
 
 namespace ugoki::dynamics {
 namespace {
 
+using testing::adaptive;
+using testing::all_methods;
+using testing::fixed;
 using testing::RandomSource;
+using Method = IntegrationMethod;
+using Status = IntegrationStatus;
 
-constexpr Vec3 gravity{0, 0, -9.81};
+constexpr double g = 9.81;
 
-MechanismPtr pendulum(double length) {
+double order_of(Method method) {
+  switch (method) {
+    case Method::semi_implicit_euler: return 1;
+    case Method::runge_kutta_4: return 4;
+    case Method::gauss_legendre_6: return 6;
+    default: return 5;
+  }
+}
+
+/// A pendulum released at rest from `amplitude`: angle at time t (Whittaker, Analytical dynamics, section 44).
+double pendulum_angle(double length, double amplitude, double t) {
+  const double k = std::sin(amplitude / 2);
+  return 2 * std::asin(k * testing::jacobi(testing::elliptic_K(k) + std::sqrt(g / length) * t, k).sn);
+}
+
+TEST(Integrators, ConvergeWithTheirOrderOnTheManifold) {
+  RandomSource random(5);
+  const JointType joints[] = {JointType::spherical, JointType::revolute, JointType::universal, JointType::planar};
+  const MechanismPtr m = Mechanism::make(random_spec(random, 4, joints)).value();
+  OpenSystem system(m);
+  State s(*m);
+  randomize(random, *m, s);
+  const auto run = [&](const IntegratorOptions& options) {
+    Integrator integrator(system, options);
+    integrator.start(0, s.q, s.v);
+    EXPECT_EQ(integrator.advance(0.1).status, Status::reached);
+    return std::vector<double>(integrator.q().begin(), integrator.q().end());
+  };
+  const std::vector<double> exact = run(fixed(Method::gauss_legendre_6, 0.1 / 640));
+  for (const Method method : all_methods) {
+    const auto error = [&](int steps) {
+      std::vector<double> d(s.v.size());
+      difference(*m, exact, run(fixed(method, 0.1 / steps)), d);
+      double sum = 0;
+      for (const double x : d) sum += x * x;
+      return std::sqrt(sum);
+    };
+    const int steps = method == Method::semi_implicit_euler ? 800 : method == Method::gauss_legendre_6 ? 12 : 20;
+    const double coarse = error(steps), fine = error(2 * steps);
+    const double order = std::log2(coarse / fine);
+    EXPECT_NEAR(order, order_of(method), 0.35) << static_cast<int>(method) << ": " << coarse << " " << fine;
+    RecordProperty("order" + std::to_string(static_cast<int>(method)), std::to_string(order));
+  }
+}
+
+TEST(Integrators, PendulumFollowsEllipticFunctions) {
+  const MechanismPtr m = testing::pendulum({1.3});
+  OpenSystem system(m);
+  const double start[] = {2.6}, rest[] = {0.0};
+  const auto error = [&](const IntegratorOptions& options) {
+    Integrator integrator(system, options);
+    integrator.start(0, start, rest);
+    double worst = 0;
+    for (int i = 1; i <= 20; ++i) {
+      EXPECT_EQ(integrator.advance(0.31 * i).status, Status::reached);
+      EXPECT_EQ(integrator.time(), 0.31 * i);
+      worst = std::max(worst, std::fabs(integrator.q()[0] - pendulum_angle(1.3, 2.6, 0.31 * i)));
+    }
+    return worst;
+  };
+  EXPECT_LT(error(fixed(Method::semi_implicit_euler, 1e-4)), 5e-3);
+  EXPECT_LT(error(fixed(Method::runge_kutta_4, 1e-3)), 1e-9);
+  EXPECT_LT(error(fixed(Method::gauss_legendre_6, 1e-3)), 1e-11);
+  EXPECT_LT(error(adaptive(Method::dormand_prince_54, 1e-10)), 1e-8);
+  EXPECT_LT(error(adaptive(Method::radau_iia_5, 1e-9)), 1e-6);
+}
+
+/// A single rigid body that turns freely about its centre.
+MechanismPtr free_body() {
   MechanismSpec spec;
-  spec.name = "pendulum";
+  spec.name = "handle";
   LinkSpec l;
-  l.name = "rod";
-  l.joint.type = JointType::revolute;
-  l.joint.axis = {0, 1, 0};
-  l.inertia = Inertia::from_centre(2.0, {0, 0, -length}, {});
+  l.name = "body";
+  l.joint.type = JointType::floating;
+  l.inertia = Inertia::from_centre(1.0, {}, {1, 2, 2.8, 0, 0, 0});
   spec.links.push_back(l);
   return Mechanism::make(std::move(spec)).value();
 }
 
-/// Complete elliptic integral by the arithmetic-geometric mean: the period of a pendulum of any amplitude.
-double pendulum_period(double length, double amplitude) {
-  double a = 1, g = std::cos(amplitude / 2);
-  for (int i = 0; i < 40; ++i) {
-    const double mean = 0.5 * (a + g);
-    g = std::sqrt(a * g);
-    a = mean;
-  }
-  return 2 * pi * std::sqrt(length / 9.81) / a;
-}
-
-TEST(RungeKutta, PendulumKeepsItsPeriod) {
-  const MechanismPtr m = pendulum(1.3);
-  Workspace ws(*m);
+// Spin about the intermediate axis turns over and over (Dzhanibekov): w in body axes is known in elliptic functions
+// (Landau, Lifshitz, Mechanics, section 37); angular momentum stays where it is in the world.
+TEST(Integrators, FreeBodyTurnsOverAsInTheClosedForm) {
+  const MechanismPtr m = free_body();
+  OpenSystem system(m, {.gravity = {}, .joint_forces = {}});
   State s(*m);
-  s.q[0] = 2.0;
-  const double period = pendulum_period(1.3, 2.0);
-  const int steps = 2000;
-  for (int i = 0; i < steps; ++i) ASSERT_TRUE(step_rk4(*m, ws, s, gravity, period / steps));
-  EXPECT_NEAR(s.q[0], 2.0, 1e-9);
-  EXPECT_NEAR(s.v[0], 0.0, 1e-8);
-}
-
-TEST(RungeKutta, IsOfFourthOrderOnTheManifold) {
-  RandomSource random(5);
-  const JointType joints[] = {JointType::spherical, JointType::revolute, JointType::universal, JointType::planar};
-  const MechanismPtr m = Mechanism::make(random_spec(random, 5, joints)).value();
-  const auto run = [&](int steps) {
+  s.v = {0, -5, 0.05, 1, 2, 3};
+  const double I1 = 1, I2 = 2, I3 = 2.8;
+  const double twice_E = I2 * 25 + I3 * 0.0025, L2 = I2 * I2 * 25 + I3 * I3 * 0.0025;
+  const double k = std::sqrt((I2 - I1) * (twice_E * I3 - L2) / ((I3 - I2) * (L2 - twice_E * I1)));
+  const double rate = std::sqrt((I3 - I2) * (L2 - twice_E * I1) / (I1 * I2 * I3));
+  const auto spin_at = [&](double t) {
+    const testing::Jacobi j = testing::jacobi(rate * t - testing::elliptic_K(k), k);
+    return Vec3{std::sqrt((twice_E * I3 - L2) / (I1 * (I3 - I1))) * j.cn, std::sqrt((twice_E * I3 - L2) / (I2 * (I3 - I2))) * j.sn,
+                std::sqrt((L2 - twice_E * I1) / (I3 * (I3 - I1))) * j.dn};
+  };
+  const auto run = [&](const IntegratorOptions& options, double wanted) {
+    Integrator integrator(system, options);
+    integrator.start(0, s.q, s.v);
     Workspace ws(*m);
-    State s(*m);
-    RandomSource start(9);
-    randomize(start, *m, s);
-    for (double& t : s.tau) t = 0;
-    for (Vec6& f : s.external) f = {};
-    for (int i = 0; i < steps; ++i) EXPECT_TRUE(step_rk4(*m, ws, s, gravity, 0.2 / steps));
-    return s;
+    int turns = 0;
+    double last = -1;
+    for (int i = 1; i <= 100; ++i) {
+      const double t = 0.1 * i;
+      ASSERT_EQ(integrator.advance(t).status, Status::reached);
+      const std::span<const double> v = integrator.v();
+      EXPECT_LT(norm(Vec3{v[0], v[1], v[2]} - spin_at(t)), wanted) << "t " << t;
+      turns += v[1] * last < 0;
+      last = v[1];
+      update_kinematics(*m, integrator.q(), v, ws);
+      const Vec6 h = calc_centroidal(*m, ws).momentum;
+      EXPECT_LT(norm(h.w - Vec3{0, -10, 0.14}), 2 * wanted) << "t " << t;
+      EXPECT_LT(norm(h.v - Vec3{1, 2, 3}), 1e-12);
+      EXPECT_NEAR(kinetic_energy(*m, ws), 0.5 * twice_E + 7, 40 * wanted);
+    }
+    EXPECT_EQ(turns, 2);
   };
-  const State fine = run(3200);
-  const auto error = [&](const State& s) {
-    std::vector<double> d(s.v.size());
-    difference(*m, fine.q, s.q, d);
-    double sum = 0;
-    for (const double x : d) sum += x * x;
-    return std::sqrt(sum);
-  };
-  const double coarse = error(run(100)), half = error(run(200));
-  EXPECT_GT(coarse / half, 13.0) << coarse << " " << half;
-  EXPECT_LT(coarse / half, 19.0);
+  run(adaptive(Method::dormand_prince_54, 1e-12), 1e-7);
+  run(fixed(Method::gauss_legendre_6, 2e-3), 1e-8);
+  run(fixed(Method::runge_kutta_4, 1e-3), 1e-5);
 }
 
-TEST(SemiImplicitEuler, FreeFallKeepsMomentumAndConverges) {
-  RandomSource random(21);
-  const JointType joints[] = {JointType::spherical, JointType::revolute};
-  const MechanismPtr m = Mechanism::make(random_spec(random, 8, joints)).value();
-  const auto drift = [&](double dt) {
-    Workspace ws(*m);
-    State s(*m);
-    RandomSource start(2);
-    randomize(start, *m, s);
-    for (double& t : s.tau) t = 0;
-    for (Vec6& f : s.external) f = {};
-    update_kinematics(*m, s.q, s.v, ws);
-    const Vec6 before = momentum(*m, ws);
-    for (int i = 0; i < static_cast<int>(0.2 / dt + 0.5); ++i) EXPECT_TRUE(step_semi_implicit(*m, ws, s, {}, dt));
-    update_kinematics(*m, s.q, s.v, ws);
-    const Vec6 change = momentum(*m, ws) - before;
-    return norm(change.v) / norm(before.v) + norm(change.w) / norm(before.w);
-  };
-  const double coarse = drift(1e-3), fine = drift(1e-4);
-  EXPECT_LT(fine, 1e-2);
-  EXPECT_GT(coarse / fine, 5.0);  // first order: ten times
+// The reference of the IFToMM library of benchmarks, problem A01: a mass on a rod, released level.
+TEST(Integrators, PlanarPendulumReference) {
+  std::ifstream file(UGOKI_SHARED_DATA "/benchmarks/A01_P1.csv");
+  if (!file) GTEST_SKIP() << "no reference data at " UGOKI_SHARED_DATA;
+  const MechanismPtr m = testing::pendulum({1.0});
+  OpenSystem system(m);
+  Integrator integrator(system, adaptive(Method::dormand_prince_54, 1e-12));
+  const double start[] = {pi / 2}, rest[] = {0.0};
+  integrator.start(0, start, rest);
+  double worst = 0;
+  int rows = 0;
+  for (std::string line; std::getline(file, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    double t = 0, x = 0, y = 0;
+    char comma = 0;
+    std::istringstream(line) >> t >> comma >> x >> comma >> y;
+    ASSERT_EQ(integrator.advance(t).status, Status::reached);
+    const double angle = integrator.q()[0];
+    worst = std::max({worst, std::fabs(std::sin(angle) - x), std::fabs(-std::cos(angle) - y)});
+    ++rows;
+  }
+  EXPECT_GT(rows, 100);
+  EXPECT_LT(worst, 1e-9);
+  RecordProperty("worst", std::to_string(worst));
 }
 
-TEST(Steps, GiveTheSameBitsTwice) {
-  const auto run = [] {
+TEST(Integrators, DoublePendulumKeepsItsEnergy) {
+  const MechanismPtr m = testing::pendulum({1, 0.7});
+  OpenSystem system(m);
+  const double start[] = {2.0, 1.0}, rest[] = {0, 0};
+  const double before = system.calc_energy(start, rest);
+  const auto drift = [&](Method method) {
+    Integrator integrator(system, fixed(method, 1e-3));
+    integrator.start(0, start, rest);
+    EXPECT_EQ(integrator.advance(20).status, Status::reached);
+    return std::fabs(system.calc_energy(integrator.q(), integrator.v()) - before) / std::fabs(before);
+  };
+  EXPECT_LT(drift(Method::gauss_legendre_6), 1e-12);
+  EXPECT_LT(drift(Method::runge_kutta_4), 1e-6);
+}
+
+// One million steps of 1 ms; run with --gtest_filter=Slow*.
+TEST(SlowIntegrators, DoublePendulumKeepsItsEnergyForAMillionSteps) {
+  const MechanismPtr m = testing::pendulum({1, 0.7});
+  OpenSystem system(m);
+  const double start[] = {2.0, 1.0}, rest[] = {0, 0};
+  const double before = system.calc_energy(start, rest);
+  for (const Method method : {Method::gauss_legendre_6, Method::runge_kutta_4, Method::semi_implicit_euler}) {
+    Integrator integrator(system, fixed(method, 1e-3));
+    integrator.start(0, start, rest);
+    double worst = 0;
+    for (int i = 1; i <= 1000; ++i) {
+      ASSERT_EQ(integrator.advance(i).status, Status::reached);
+      worst = std::max(worst, std::fabs(system.calc_energy(integrator.q(), integrator.v()) - before) / std::fabs(before));
+    }
+    std::printf("method %d: greatest relative change of energy %.3g, %ld accelerations\n", static_cast<int>(method), worst,
+                integrator.statistics().accelerations);
+    if (method == Method::gauss_legendre_6) EXPECT_LT(worst, 1e-10);
+  }
+}
+
+TEST(Integrators, TighterToleranceGivesSmallerError) {
+  const MechanismPtr m = testing::pendulum({1.3});
+  OpenSystem system(m);
+  const double start[] = {2.6}, rest[] = {0.0};
+  for (const Method method : {Method::dormand_prince_54, Method::radau_iia_5}) {
+    double last = 1;
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+      Integrator integrator(system, adaptive(method, tolerance));
+      integrator.start(0, start, rest);
+      ASSERT_EQ(integrator.advance(3).status, Status::reached);
+      const double error = std::fabs(integrator.q()[0] - pendulum_angle(1.3, 2.6, 3));
+      EXPECT_LT(error, 300 * tolerance);
+      EXPECT_LT(error, 0.3 * last) << tolerance;
+      EXPECT_LT(integrator.statistics().rejected, integrator.statistics().steps / 4 + 4);
+      last = error;
+    }
+  }
+}
+
+TEST(Integrators, ContinuousSolutionHasItsOrder) {
+  const MechanismPtr m = free_body();
+  OpenSystem system(m);
+  State s(*m);
+  s.v = {0.4, -2, 1.0, 1, 2, 3};
+  for (const Method method : all_methods) {
+    const auto error = [&](double h) {
+      Integrator integrator(system, fixed(method, h)), exact(system, fixed(Method::gauss_legendre_6, h / 10));
+      integrator.start(0, s.q, s.v);
+      exact.start(0, s.q, s.v);
+      EXPECT_EQ(integrator.advance(h).status, Status::reached);
+      EXPECT_EQ(exact.advance(0.3 * h).status, Status::reached);
+      std::vector<double> q(s.q.size()), v(s.v.size()), d(s.v.size());
+      integrator.interpolate(0.3 * h, q, v);
+      difference(*m, exact.q(), q, d);
+      double sum = 0;
+      for (std::size_t i = 0; i < d.size(); ++i) sum += d[i] * d[i] + (v[i] - exact.v()[i]) * (v[i] - exact.v()[i]);
+      integrator.interpolate(h, q, v);
+      difference(*m, integrator.q(), q, d);
+      for (const double x : d) EXPECT_NEAR(x, 0, 1e-13);
+      return std::sqrt(sum);
+    };
+    const double order = std::log2(error(0.1) / error(0.05));
+    const double wanted = method == Method::semi_implicit_euler ? 2 : method == Method::dormand_prince_54 ? 5 : 4;
+    EXPECT_GT(order, wanted - 0.35) << static_cast<int>(method);
+  }
+}
+
+TEST(Integrators, GiveTheSameBitsTwiceHoweverTheTimeIsCut) {
+  const auto run = [](Method method, int pieces) {
     RandomSource random(4);
-    const MechanismPtr m = Mechanism::make(random_spec(random, 20)).value();
-    Workspace ws(*m);
+    const MechanismPtr m = Mechanism::make(random_spec(random, 12)).value();
+    OpenSystem system(m);
     State s(*m);
     randomize(random, *m, s);
-    for (double& t : s.tau) t = 0;
-    for (int i = 0; i < 100; ++i) {
-      EXPECT_TRUE(step_semi_implicit(*m, ws, s, gravity, 1e-4));
-      EXPECT_TRUE(step_rk4(*m, ws, s, gravity, 1e-4));
-    }
+    Integrator integrator(system, fixed(method, 1.0 / 1024));
+    integrator.start(0, s.q, s.v);
+    for (int i = 1; i <= pieces; ++i) EXPECT_EQ(integrator.advance(i / (16.0 * pieces)).status, Status::reached);
     Hash64 hash;
-    hash.add(s.q);
-    hash.add(s.v);
+    hash.add(integrator.q());
+    hash.add(integrator.v());
     return hash.value();
   };
-  EXPECT_EQ(run(), run());
+  for (const Method method : all_methods) EXPECT_EQ(run(method, 1), run(method, 8)) << static_cast<int>(method);
 }
 
 }  // namespace

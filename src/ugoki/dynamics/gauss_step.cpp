@@ -1,0 +1,102 @@
+// Gauss-Legendre collocation with three stages, order 6: symmetric, so that conservative motion keeps its energy over long times.
+// The stages are found by fixed-point iteration down to rounding (Hairer, McLachlan, Razakarivony 2008).
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/dynamics/step_method.h"
+
+namespace ugoki::dynamics {
+namespace {
+
+constexpr double root15 = 3.872983346207417;
+constexpr double c[3] = {0.5 - root15 / 10, 0.5, 0.5 + root15 / 10};
+constexpr double a[3][3] = {{5.0 / 36, 2.0 / 9 - root15 / 15, 5.0 / 36 - root15 / 30},
+                            {5.0 / 36 + root15 / 24, 2.0 / 9, 5.0 / 36 - root15 / 24},
+                            {5.0 / 36 + root15 / 30, 2.0 / 9 + root15 / 15, 5.0 / 36}};
+constexpr double b[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
+/// Coefficients of the quadratic that is 1 at c[i] and 0 at the other nodes.
+constexpr double basis[3][3] = {
+    {c[1] * c[2] / ((c[0] - c[1]) * (c[0] - c[2])), -(c[1] + c[2]) / ((c[0] - c[1]) * (c[0] - c[2])), 1 / ((c[0] - c[1]) * (c[0] - c[2]))},
+    {c[0] * c[2] / ((c[1] - c[0]) * (c[1] - c[2])), -(c[0] + c[2]) / ((c[1] - c[0]) * (c[1] - c[2])), 1 / ((c[1] - c[0]) * (c[1] - c[2]))},
+    {c[0] * c[1] / ((c[2] - c[0]) * (c[2] - c[1])), -(c[0] + c[1]) / ((c[2] - c[0]) * (c[2] - c[1])), 1 / ((c[2] - c[0]) * (c[2] - c[1]))}};
+constexpr int max_iterations = 60;
+
+class GaussLegendre final : public StepMethod {
+ public:
+  explicit GaussLegendre(std::size_t n) : z_(2 * n), rates_(3 * 2 * n), next_(3 * 2 * n) {}
+
+  void take(StepEquation& f, std::span<const double> a0, double h, bool afresh, StepResult& out) override {
+    predict(f, a0, afresh ? 0 : h / last_h_);
+    out.failure = iterate(f, h);
+    if (out.failure.failed()) return;
+    last_h_ = h;
+    const std::size_t n2 = z_.size(), n = n2 / 2;
+    const std::span<const double> v0 = f.start_velocity();
+    for (std::size_t i = 0; i < n2; ++i) {
+      const double r0 = rates_[i], r1 = rates_[n2 + i], r2 = rates_[2 * n2 + i];
+      out.z1[i] = h * (b[0] * r0 + b[1] * r1 + b[2] * r2) + (i < n ? 0.0 : v0[i - n]);
+      for (std::size_t p = 0; p < 3; ++p)
+        out.dense[p * n2 + i] = h * (basis[0][p] * r0 + basis[1][p] * r1 + basis[2][p] * r2) / static_cast<double>(p + 1);
+      out.dense[3 * n2 + i] = 0;
+    }
+    out.has_a1 = false;
+    out.error = 0;
+  }
+
+ private:
+  /// Rates at the stages from the polynomial of the last step, or constant.
+  void predict(const StepEquation& f, std::span<const double> a0, double ratio) {
+    const std::size_t n2 = z_.size(), n = n2 / 2;
+    const std::span<const double> v0 = f.start_velocity();
+    for (std::size_t i = 0; i < n2; ++i) {
+      const double r0 = rates_[i], r1 = rates_[n2 + i], r2 = rates_[2 * n2 + i];
+      for (std::size_t s = 0; s < 3; ++s) {
+        const double x = 1 + c[s] * ratio;
+        double rate = i < n ? v0[i] : a0[i - n];
+        if (ratio > 0) {
+          rate = 0;
+          for (std::size_t p = 3; p-- > 0;) rate = rate * x + basis[0][p] * r0 + basis[1][p] * r1 + basis[2][p] * r2;
+        }
+        next_[s * n2 + i] = rate;
+      }
+    }
+    std::swap(rates_, next_);
+  }
+
+  StepFailure iterate(StepEquation& f, double h) {
+    const std::size_t n2 = z_.size(), n = n2 / 2;
+    const std::span<const double> v0 = f.start_velocity();
+    double last_change = 0;
+    for (int k = 0; k < max_iterations; ++k) {
+      ++f.statistics().iterations;
+      double change = 0;
+      for (std::size_t s = 0; s < 3; ++s) {
+        for (std::size_t i = 0; i < n2; ++i)
+          z_[i] = h * (a[s][0] * rates_[i] + a[s][1] * rates_[n2 + i] + a[s][2] * rates_[2 * n2 + i]) + (i < n ? 0.0 : v0[i - n]);
+        if (const StepFailure bad = f.calc_rate(f.start_time() + c[s] * h, z_.data(), next_.data() + s * n2); bad.failed())
+          return k == 0 ? bad : StepFailure{IntegrationStatus::not_converged, -1};
+        for (std::size_t i = 0; i < n2; ++i) {
+          const double size = i < n ? 1.0 : 1.0 + std::fabs(v0[i - n]);
+          change = std::max(change, h * std::fabs(next_[s * n2 + i] - rates_[s * n2 + i]) / size);
+        }
+      }
+      std::swap(rates_, next_);
+      // at rounding the change no longer shrinks
+      if (change == 0 || (k > 0 && change >= last_change && change < 1e-13)) return {};
+      if (k > 4 && change > 2 * last_change) break;
+      last_change = change;
+    }
+    return last_change < 1e-12 ? StepFailure{} : StepFailure{IntegrationStatus::not_converged, -1};
+  }
+
+  double last_h_ = 0;
+  std::vector<double> z_;             // [2 nv]
+  std::vector<double> rates_, next_;  // [3][2 nv]
+};
+
+}  // namespace
+
+std::unique_ptr<StepMethod> make_gauss_legendre_6(std::size_t n) { return std::make_unique<GaussLegendre>(n); }
+
+}  // namespace ugoki::dynamics
