@@ -125,6 +125,11 @@ TEST(ClosedLinks, ForwardDynamicsIsTheDenseSolution) {
     const Dense dense = solve_by_kkt(*c.m, c.state, c.loops, closed);
     EXPECT_EQ(links.rank(), dense.rank) << "seed " << seed;
     EXPECT_LT(greatest_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
+    std::vector<double> direct(vdot.size());
+    ASSERT_EQ(calc_closed_forward_dynamics(*c.m, links, c.state.q, c.state.v, c.state.tau, gravity, c.state.external, direct),
+              ClosedStatus::ok);
+    EXPECT_EQ(links.rank(), dense.rank) << "from the state, seed " << seed;
+    EXPECT_LT(greatest_difference(direct, dense.vdot), 1e-8) << "from the state, seed " << seed;
   }
 }
 
@@ -285,7 +290,16 @@ TEST(ClosedLinks, VirtualLinkWithoutMassIsTheLoop) {
   std::vector<double> a(3), b(4);
   calc_closed_forward_dynamics(*loop, ws_loop, links_loop, s.tau, gravity, {}, a);
   calc_closed_forward_dynamics(*cut, ws_cut, links_cut, t.tau, gravity, {}, b);
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(a[i], b[i], 1e-10 * (1 + std::fabs(a[i])));
+  std::vector<double> direct(3), direct_cut(4);
+  ASSERT_EQ(calc_closed_forward_dynamics(*loop, links_loop, s.q, s.v, s.tau, gravity, {}, direct), ClosedStatus::ok);
+  ASSERT_EQ(calc_closed_forward_dynamics(*cut, links_cut, t.q, t.v, t.tau, gravity, {}, direct_cut), ClosedStatus::ok);
+  EXPECT_EQ(links_loop.rank(), 2);
+  EXPECT_EQ(links_cut.rank(), 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(a[i], b[i], 1e-10 * (1 + std::fabs(a[i])));
+    EXPECT_NEAR(a[i], direct[i], 1e-10 * (1 + std::fabs(a[i])));
+    EXPECT_NEAR(a[i], direct_cut[i], 1e-10 * (1 + std::fabs(a[i])));
+  }
 }
 
 }  // namespace

@@ -4,15 +4,12 @@
 #include <cmath>
 
 #include "ugoki/base/check.h"
+#include "ugoki/dynamics/closed_run.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::dynamics {
 namespace {
-
-/// A pivot below this part of what the row was before eliminations is rounding: the row follows from others. The multipliers'
-/// matrix is quadratic in the Jacobian, so rows whose angle to the others is below 1e-6 rad count as dependent.
-constexpr double dependent = 1e-12;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -188,7 +185,7 @@ class ClosedSolver {
 
   void begin_factor() {
     std::ranges::copy(ws_.I, c_.I_.begin());
-    for (const ClosedLinks::Share& s : c_.shares_) c_.I_[at(s.link)] = ws_.I[at(s.source)] * s.part;
+    for (const InertiaShare& s : c_.shares_) c_.I_[at(s.link)] = ws_.I[at(s.source)] * s.part;
     for (std::size_t i = 0; i < ws_.IA.size(); ++i) ws_.IA[i] = articulated(c_.I_[i]);
     std::ranges::fill(c_.P_, Vec6{});
     std::ranges::fill(c_.Lambda_, 0.0);
@@ -260,7 +257,7 @@ class ClosedSolver {
       const auto part = [&](int i) { return before[order[i]] > 0 ? diagonal[order[i]] / before[order[i]] : 0.0; };
       for (int i = k + 1; i < r; ++i)
         if (part(i) > part(best)) best = i;
-      if (!(part(best) > dependent)) break;
+      if (!(part(best) > dependent_row)) break;
       if (best != k) {
         std::swap(order[k], order[best]);
         for (int j = 0; j < k; ++j) std::swap(C[k * r + j], C[best * r + j]);
@@ -425,7 +422,12 @@ ClosedLinks::ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<
   multipliers_.resize(at(rows_.count()));
   independent_.resize(at(rows_.count()));
   delta_.resize(at(m.nv()));
+  kernel_ = std::make_unique<ClosedKernelState>(m, *this, closed, rows);
 }
+
+ClosedLinks::ClosedLinks(ClosedLinks&&) noexcept = default;
+ClosedLinks& ClosedLinks::operator=(ClosedLinks&&) noexcept = default;
+ClosedLinks::~ClosedLinks() = default;
 
 // A virtual link is a second body of its real link: where it has no inertia of its own, the two share the real one's. The closed
 // system stays the same, and no joint of the cut tree is without inertia.

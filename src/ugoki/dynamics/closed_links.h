@@ -11,6 +11,7 @@
 // Source: Popov, Vereshchagin, Zenkevich (1978); Featherstone (2008), ch. 8, 9; Sathya & Carpentier (2024) for the elimination
 // on the way to the base.
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,12 @@
 #include "ugoki/dynamics/loop_rows.h"
 
 namespace ugoki::dynamics {
+
+/// Part of another link's inertia that a link without one of its own takes (virtual links).
+struct InertiaShare {
+  int link, source;
+  double part;
+};
 
 /// Structure and scratch for one mechanism with loops; caller-owned, one a thread.
 class ClosedLinks {
@@ -27,6 +34,10 @@ class ClosedLinks {
   /// With these loops, of which those marked are closed. @param closed [loops]
   /// @param rows [rows of all loops] 0 for rows to leave out because they always follow from others; empty: none
   ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows = {});
+
+  ClosedLinks(ClosedLinks&&) noexcept;
+  ClosedLinks& operator=(ClosedLinks&&) noexcept;
+  ~ClosedLinks();
 
   [[nodiscard]] std::span<const Loop> loops() const { return loops_; }
   [[nodiscard]] bool is_closed(int loop) const { return over_links_.entry_of_loop[static_cast<std::size_t>(loop)] >= 0; }
@@ -42,18 +53,15 @@ class ClosedLinks {
 
  private:
   friend class ClosedSolver;
+  friend class ClosedRun;
+  friend struct ClosedKernelState;
 
-  /// Part of another link's inertia that a link without one of its own takes (virtual links).
-  struct Share {
-    int link, source;
-    double part;
-  };
   void share_inertias(const Mechanism& m);
 
   std::vector<Loop> loops_;
   LoopRows rows_;
   ClosedStructure over_links_;
-  std::vector<Share> shares_;
+  std::vector<InertiaShare> shares_;
 
   std::vector<Inertia> I_;              ///< [links] with the shares
   std::vector<Vec6> P_;                 ///< [present_rows]
@@ -71,6 +79,8 @@ class ClosedLinks {
   std::vector<double> delta_;  ///< [nv] corrections of the projections
   int rank_ = 0;
   int singular_freedom_ = -1;
+
+  std::unique_ptr<struct ClosedKernelState> kernel_;  ///< of the functions that start from q and v
 };
 
 /// What a solve came to.
@@ -79,6 +89,15 @@ enum class ClosedStatus : unsigned char {
   singular_inertia,  ///< a joint moves nothing that has inertia
   not_closed,        ///< the gap did not come down to rounding
 };
+
+/// Accelerations of the closed system from the state alone, and with them the forces in the loops (the multipliers): the fastest, in
+/// link frames, with the registers that the processor has. O(links) for loops of bounded size. Allocates nothing.
+/// @param external [links] or empty @param vdot [nv, out] must not alias an input
+[[nodiscard]] ClosedStatus calc_closed_forward_dynamics(const Mechanism& m, ClosedLinks& closed, std::span<const double> q,
+                                                        std::span<const double> v, std::span<const double> tau, const Vec3& gravity,
+                                                        std::span<const Vec6> external, std::span<double> vdot);
+
+// In stages, on what update_kinematics() leaves in a workspace: for many solves at one position.
 
 /// Rows, articulated inertias and the condensed matrix of the closed loops, at what update_kinematics(q, v) left in `ws`.
 /// Uses ws.IA, U, d. O(links) for loops of bounded size. Allocates nothing.

@@ -13,14 +13,38 @@
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-template <class T>
+/// What an open system has in place of kernel_loops.h.
+struct NoLoops {
+  template <class... A>
+  UGOKI_INLINE void begin(A&&...) {}
+  template <class... A>
+  UGOKI_INLINE void eliminate(A&&...) {}
+  template <class... A>
+  UGOKI_INLINE void freedom(A&&...) {}
+  template <class... A>
+  UGOKI_INLINE void velocity_product(A&&...) {}
+  template <class... A>
+  UGOKI_INLINE void hand_on(A&&...) {}
+  template <class... A>
+  UGOKI_INLINE void floating(A&&...) {}
+  template <class... A>
+  UGOKI_INLINE void eliminate_world(A&&...) {}
+  template <class... A>
+  UGOKI_INLINE void recover(A&&...) {}
+};
+
+/// @tparam Loops takes part in the elimination of every freedom: NoLoops, or the multipliers of closed loops
+template <class T, class Loops = NoLoops>
 class ForwardKernel {
  public:
   using Real = typename T::Real;
   using Mask = typename T::Mask;
 
-  explicit ForwardKernel(const KernelArguments<Real>& arguments)
-      : pass_(arguments),
+  static constexpr bool closed = !std::is_same_v<Loops, NoLoops>;
+
+  explicit ForwardKernel(const KernelArguments<Real>& arguments, Loops loops = {})
+      : loops_(loops),
+        pass_(arguments),
         a_(pass_.a),
         w_(pass_.scratch.template take<V3<T>>(a_.nodes + 1)),
         velocity_product_(pass_.scratch.template take<V3<T>>(a_.nodes)),
@@ -30,8 +54,13 @@ class ForwardKernel {
 
   /// Set where a pivot was not positive.
   Mask run() {
+    turn_all();
+    return accelerate();
+  }
+
+  /// Where the joints stand and how the nodes turn.
+  void turn_all() {
     pass_.prepare();
-    pass_.take_wrenches();
     const T none(0);
     w_[0] = {none, none, none};
     for (int i = 0; i < a_.nodes; ++i) {
@@ -42,6 +71,13 @@ class ForwardKernel {
         case Crossing::matrix: turn(i); break;
       }
     }
+  }
+
+  /// The rest, on what turn_all() left in the scratch.
+  Mask accelerate() {
+    const T none(0);
+    pass_.take_wrenches();
+    loops_.begin();
     for (int i = a_.nodes; i-- > 0;) {
       switch (a_.order[i].crossing) {
         case Crossing::none: inward_revolute<Crossing::none>(i); break;
@@ -51,6 +87,7 @@ class ForwardKernel {
       }
     }
     acceleration_[0] = {{none, none, none}, -vector_of<T>(a_.gravity)};
+    loops_.eliminate_world(a_.nodes, acceleration_[0]);
     for (int i = 0; i < a_.nodes; ++i) {
       switch (a_.order[i].crossing) {
         case Crossing::none: outward_revolute<Crossing::none>(i); break;
@@ -61,6 +98,10 @@ class ForwardKernel {
     }
     return bad_;
   }
+
+  /// The node's angular velocity in its own axes.
+  [[nodiscard]] const V3<T>& angular_velocity(int i) const { return w_[i + 1]; }
+  [[nodiscard]] const Pass<T>& pass() const { return pass_; }
 
  private:
   struct FreedomPass {
@@ -116,6 +157,7 @@ class ForwardKernel {
     }
     if (o.has_child) add(A, carry_);
     if (o.slot >= 0) add(A, slots_[o.slot]);
+    loops_.eliminate(i, A);
     return A;
   }
   UGOKI_INLINE void hand_on(const NodeOrder& o, const Articulated<T>& A) {
@@ -155,6 +197,9 @@ class ForwardKernel {
     const T u = tau(o.v) * sign - A.n.z;
     const T step = u * d;
     f = {{Uw, Uv}, d, u};
+    loops_.freedom(i, 0, o.v, f.U, d, u, sign, [](const auto& P) { return P.w.z; });
+    loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, c_v});
+    loops_.hand_on(i, X, r);
     if (o.parent < 0) return;
 
     const T dx = Uw.x * d, dy = Uw.y * d;
@@ -224,9 +269,11 @@ class ForwardKernel {
   UGOKI_INLINE static Vec6T<T> turning(const Articulated<T>& A, int k) { return {A.I.matrix().row(k), A.H.row(k)}; }
   UGOKI_INLINE static Vec6T<T> sliding(const Articulated<T>& A, int k) { return {A.H.column(k), A.M.matrix().row(k)}; }
 
-  void eliminate(Articulated<T>& A, int k, const Vec6T<T>& U, T pivot, T u) {
+  template <class Along>
+  void eliminate(int i, Articulated<T>& A, int k, const Vec6T<T>& U, T pivot, T u, T sign, Along&& along) {
     const T d = inverse_pivot(pivot);
     freedom_[k] = {U, d, u};
+    loops_.freedom(i, k - a_.order[i].v, k, U, d, u, sign, along);
     const Vec6T<T> D = U * d;
     const V3<T>&a = U.w, &b = U.v, &x = D.w, &y = D.v;
     A.I = A.I - Sym3T<T>{a.x * x.x, a.y * x.y, a.z * x.z, a.x * x.y, a.x * x.z, a.y * x.z};
@@ -264,33 +311,36 @@ class ForwardKernel {
       return;
     }
     const Vec6T<T> vp = velocity_product(i);
+    loops_.velocity_product(i, vp);
     A.n += A.I * vp.w + A.H * vp.v;
     A.f += transpose_times(A.H, vp.w) + A.M * vp.v;
     const T sign(c.sign), pitch(c.pitch), armature(c.armature[0]);
     switch (o.kind) {
       case NodeKind::revolute: {
         const Vec6T<T> U = turning(A, 2);
-        eliminate(A, o.v, U, U.w.z + armature, tau(o.v) * sign - A.n.z);
+        eliminate(i, A, o.v, U, U.w.z + armature, tau(o.v) * sign - A.n.z, sign, [](const auto& P) { return P.w.z; });
         break;
       }
       case NodeKind::prismatic: {
         const Vec6T<T> U = sliding(A, 2);
-        eliminate(A, o.v, U, U.v.z + armature, tau(o.v) * sign - A.f.z);
+        eliminate(i, A, o.v, U, U.v.z + armature, tau(o.v) * sign - A.f.z, sign, [](const auto& P) { return P.v.z; });
         break;
       }
       case NodeKind::helical: {
         const Vec6T<T> U = turning(A, 2) + sliding(A, 2) * pitch;
-        eliminate(A, o.v, U, U.w.z + pitch * U.v.z + armature, tau(o.v) * sign - (A.n.z + pitch * A.f.z));
+        eliminate(i, A, o.v, U, U.w.z + pitch * U.v.z + armature, tau(o.v) * sign - (A.n.z + pitch * A.f.z), sign,
+                  [&](const auto& P) { return P.w.z + P.v.z * std::remove_cvref_t<decltype(P.v.z)>(c.pitch); });
         break;
       }
       default:  // spherical
         for (int k = 3; k-- > 0;) {
           const Vec6T<T> U = turning(A, k);
-          eliminate(A, o.v + k, U, U.w[k] + T(c.armature[k]), tau(o.v + k) - A.n[k]);
+          eliminate(i, A, o.v + k, U, U.w[k] + T(c.armature[k]), tau(o.v + k) - A.n[k], T(1), [&](const auto& P) { return P.w[k]; });
         }
     }
-    if (o.parent < 0) return;
     const MatrixCrossing<T> X{pass_.E[i]};
+    loops_.hand_on(i, X, pass_.origin(i));
+    if (o.parent < 0) return;
     A.I = X.up(A.I);
     A.H = X.up(A.H);
     A.M = X.up(A.M);
@@ -333,15 +383,17 @@ class ForwardKernel {
         x[e] -= l * x[k];
       }
     }
-    for (int k = 0; k < 6; ++k) {
-      T sum = x[k];
-      for (int e = 0; e < k; ++e) sum -= L[k][e] * x[e];
-      x[k] = sum * d[k];
-    }
-    for (int k = 0; k < 6; ++k) freedom_[o.v + k].u = x[k];
+    for (int k = 0; k < 6; ++k) freedom_[o.v + k] = {{{L[k][0], L[k][1], L[k][2]}, {L[k][3], L[k][4], L[k][5]}}, d[k], x[k]};
+    loops_.floating(i, L, d, x, Vec6T<T>{{T(0), T(0), T(0)}, a0});
   }
 
   // Accelerations, from the base.
+
+  /// The node's freedom `which`.
+  UGOKI_INLINE T reduced_force(int i, int which, const FreedomPass& f) const {
+    if constexpr (closed) return f.u - loops_.along_multipliers(i, which);
+    return f.u;
+  }
 
   template <Crossing K>
   UGOKI_INLINE void outward_revolute(int i) {
@@ -356,10 +408,11 @@ class ForwardKernel {
     wd.y -= w.x * rate;
     const V3<T> a = X.down(up.v + cross(up.w, vector_of<T>(c.p))) + velocity_product_[i];
     const FreedomPass& f = freedom_[o.v];
-    const T vdot = f.d * (f.u - (dot(f.U.w, wd) + dot(f.U.v, a)));
+    const T vdot = f.d * (reduced_force(i, 0, f) - (dot(f.U.w, wd) + dot(f.U.v, a)));
     give(o.v, vdot * T(c.sign));
     wd.z += vdot;
     acceleration_[i + 1] = {wd, a};
+    loops_.recover(i, acceleration_[i + 1]);
   }
 
   void outward(int i) {
@@ -368,17 +421,24 @@ class ForwardKernel {
     const Vec6T<T>& up = acceleration_[o.parent + 1];
     Vec6T<T> A{pass_.down(i, up.w), pass_.down(i, up.v + cross(up.w, pass_.origin(i)))};
     if (o.kind == NodeKind::floating) {
-      const FreedomPass* const f = freedom_ + o.v;
-      const V3<T> spin{f[0].u, f[1].u, f[2].u}, slide{f[3].u, f[4].u, f[5].u};
+      T x[6];
+      for (int k = 0; k < 6; ++k) {
+        const FreedomPass& f = freedom_[o.v + k];
+        T sum = reduced_force(i, k, f);
+        for (int e = 0; e < k; ++e) sum -= (e < 3 ? f.U.w[e] : f.U.v[e - 3]) * x[e];
+        x[k] = sum * f.d;
+      }
+      const V3<T> spin{x[0], x[1], x[2]}, slide{x[3], x[4], x[5]};
       const V3<T> out = pass_.E[i] * slide;
       for (int k = 0; k < 3; ++k) {
         give(o.v + k, spin[k]);
         give(o.v + 3 + k, out[k]);
       }
       acceleration_[i + 1] = {A.w + spin, A.v + slide};
+      loops_.recover(i, acceleration_[i + 1]);
       return;
     }
-    const auto reduced = [&](int k) { return freedom_[k].d * (freedom_[k].u - dot(freedom_[k].U, A)); };
+    const auto reduced = [&](int k) { return freedom_[k].d * (reduced_force(i, k - o.v, freedom_[k]) - dot(freedom_[k].U, A)); };
     const T sign(c.sign);
     if (o.kind == NodeKind::spherical) {
       for (int k = 0; k < 3; ++k) {
@@ -394,8 +454,10 @@ class ForwardKernel {
       if (o.kind == NodeKind::helical) A.v.z += vdot * T(c.pitch);
     }
     acceleration_[i + 1] = A + velocity_product(i);
+    loops_.recover(i, acceleration_[i + 1]);
   }
 
+  Loops loops_;
   Pass<T> pass_;
   const KernelArguments<Real>& a_;
   V3<T>* w_;                 // [nodes + 1], the world first

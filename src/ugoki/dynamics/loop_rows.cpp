@@ -8,21 +8,28 @@
 namespace ugoki::dynamics {
 namespace {
 
+struct Links {
+  Vec3 p0;
+  std::span<const Pose> X_WB;
+  std::span<const Vec6> V;
+  bool gaps;
+};
+
 /// A loop's frames in the world and the velocities of its two links, about p0.
 struct Ends {
   Pose X_WA, X_WB;  ///< J_A, J_B; positions from p0
   Vec6 V_a, V_b, V_ba;
 
-  Ends(const Workspace& ws, const Loop& loop) {
-    X_WA = frame(ws, loop.link_a, loop.X_AJ);
-    X_WB = frame(ws, loop.link_b, loop.X_BJ);
-    if (loop.link_a >= 0) V_a = ws.V[static_cast<std::size_t>(loop.link_a)];
-    if (loop.link_b >= 0) V_b = ws.V[static_cast<std::size_t>(loop.link_b)];
+  Ends(const Links& links, const Loop& loop) {
+    X_WA = frame(links, loop.link_a, loop.X_AJ);
+    X_WB = frame(links, loop.link_b, loop.X_BJ);
+    if (loop.link_a >= 0) V_a = links.V[static_cast<std::size_t>(loop.link_a)];
+    if (loop.link_b >= 0) V_b = links.V[static_cast<std::size_t>(loop.link_b)];
     V_ba = V_b - V_a;
   }
-  static Pose frame(const Workspace& ws, int link, const Pose& X_LJ) {
-    Pose X = link >= 0 ? ws.X_WB[static_cast<std::size_t>(link)] * X_LJ : X_LJ;
-    X.p -= ws.p0;
+  static Pose frame(const Links& links, int link, const Pose& X_LJ) {
+    Pose X = link >= 0 ? links.X_WB[static_cast<std::size_t>(link)] * X_LJ : X_LJ;
+    X.p -= links.p0;
     return X;
   }
 };
@@ -93,8 +100,8 @@ void write_gear(const Mechanism& m, const Loop& loop, std::span<const double> q,
   rows.drift[k] = -curvature * v_b * v_b;
 }
 
-void write_rows(const Workspace& ws, const Loop& loop, LoopRows& rows, std::size_t first) {
-  const Ends ends(ws, loop);
+void write_rows(const Links& links, const Loop& loop, LoopRows& rows, std::size_t first) {
+  const Ends ends(links, loop);
   RowWriter write(ends, rows, first);
   const Mat3& R = ends.X_WA.R;
   const Vec3 axis = R * loop.axis;
@@ -108,7 +115,7 @@ void write_rows(const Workspace& ws, const Loop& loop, LoopRows& rows, std::size
     for (int k = 0; k < 3; ++k) write.position(R.column(k));
   };
   const auto rotations = [&] {
-    const Vec3 error = R * log_map(to_quat(R.transposed() * ends.X_WB.R));
+    const Vec3 error = links.gaps ? R * log_map(to_quat(R.transposed() * ends.X_WB.R)) : Vec3{};
     for (int k = 0; k < 3; ++k) write.rotation(R.column(k), error);
   };
   const auto alignment = [&] {
@@ -158,15 +165,21 @@ LoopRows::LoopRows(std::span<const Loop> loops) {
   slope.resize(loops.size());
 }
 
-void update_loop_rows(const Mechanism& m, const Workspace& ws, std::span<const Loop> loops, std::span<const double> q,
-                      std::span<const double> v, LoopRows& rows) {
+void update_loop_rows(const Mechanism& m, const Vec3& p0, std::span<const Pose> X_WB, std::span<const Vec6> V, std::span<const Loop> loops,
+                      std::span<const double> q, std::span<const double> v, bool gaps, LoopRows& rows) {
   UGOKI_CHECK(rows.first.size() == loops.size() + 1);
+  const Links links{p0, X_WB, V, gaps};
   for (std::size_t i = 0; i < loops.size(); ++i) {
     if (loops[i].type == LoopType::gear)
       write_gear(m, loops[i], q, v, rows, i);
     else
-      write_rows(ws, loops[i], rows, static_cast<std::size_t>(rows.first[i]));
+      write_rows(links, loops[i], rows, static_cast<std::size_t>(rows.first[i]));
   }
+}
+
+void update_loop_rows(const Mechanism& m, const Workspace& ws, std::span<const Loop> loops, std::span<const double> q,
+                      std::span<const double> v, LoopRows& rows) {
+  update_loop_rows(m, ws.p0, ws.X_WB, ws.V, loops, q, v, true, rows);
 }
 
 void calc_loop_jacobian_row(const Mechanism& m, const Workspace& ws, const Loop& loop, const LoopRows& rows, int i, int r,

@@ -38,6 +38,11 @@ struct LoopRows {
 void update_loop_rows(const Mechanism& m, const Workspace& ws, std::span<const Loop> loops, std::span<const double> q,
                       std::span<const double> v, LoopRows& rows);
 
+/// The same from the motion of the loops' own links; the others' are not looked at. @param p0 [m] the point that wrenches and V are about
+/// @param X_WB, V [links] poses; velocities in world axes @param gaps false: gaps are left as they are, which saves time
+void update_loop_rows(const Mechanism& m, const Vec3& p0, std::span<const Pose> X_WB, std::span<const Vec6> V, std::span<const Loop> loops,
+                      std::span<const double> q, std::span<const double> v, bool gaps, LoopRows& rows);
+
 /// Row r of loop `i` over all freedoms: J with J v = w . (V_b - V_a). @param J [nv, out]. O(nv)
 void calc_loop_jacobian_row(const Mechanism& m, const Workspace& ws, const Loop& loop, const LoopRows& rows, int i, int r,
                             std::span<double> J);

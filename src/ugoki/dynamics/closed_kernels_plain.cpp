@@ -1,0 +1,3 @@
+#define UGOKI_WIDTH plain
+#define UGOKI_DOUBLE_LANES 2
+#include "ugoki/dynamics/closed_kernels_width.h"

@@ -1,0 +1,240 @@
+// Closed forward dynamics from the state alone: the loops' rows, between the two halves of the kernel.
+
+#include "ugoki/dynamics/closed_run.h"
+
+#include <algorithm>
+
+#include "ugoki/base/check.h"
+
+namespace ugoki::dynamics {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+int freedoms_of(NodeKind kind) { return kind == NodeKind::floating ? 6 : kind == NodeKind::spherical ? 3 : 1; }
+
+ClosedTree tree_of_nodes(const LinkProgram& program) {
+  ClosedTree tree;
+  tree.node_of_freedom.resize(at(program.nv));
+  for (const NodeOrder& o : program.order) {
+    const int n = freedoms_of(o.kind);
+    for (int k = 0; k < n; ++k) tree.node_of_freedom[at(o.v + k)] = static_cast<int>(tree.parent.size());
+    tree.parent.push_back(o.parent);
+    tree.freedoms.push_back(n);
+  }
+  for (const LinkPlace& place : program.links) tree.node_of_link.push_back(place.node);
+  return tree;
+}
+
+/// Virtual links without inertia get their shares: half of the real link's, or less where there are more of them.
+MechanismPtr with_shares(const Mechanism& m, std::span<const InertiaShare> shares) {
+  if (shares.empty()) return nullptr;
+  MechanismSpec spec = m.spec();
+  for (const InertiaShare& s : shares) {
+    const Inertia& whole = m.link(s.source).inertia;
+    Inertia& part = spec.links[at(s.link)].inertia;
+    part = {whole.mass * s.part, whole.h * s.part, whole.I * s.part};
+    if (s.link != s.source) part = part.in_parent(m.link(s.link).X_RV.inverse());
+  }
+  return Mechanism::make(std::move(spec)).value();
+}
+
+Mat3 rotation_of(const NodeMotion& motion) {
+  const double* R = motion.R;
+  return {R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]};
+}
+Vec3 vec(const double* p) { return {p[0], p[1], p[2]}; }
+
+}  // namespace
+
+ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& links, std::span<const char> closed, std::span<const char> rows)
+    : shared(with_shares(m, links.shares_)),
+      program(shared ? *shared : m),
+      over_nodes(tree_of_nodes(program), links.loops(), closed, links.rows().first, rows),
+      moves(program.order.size()),
+      motion(program.order.size()),
+      X_WB(m.links().size()),
+      V(m.links().size()) {
+  for (const ClosedStructure::Entry& e : over_nodes.entries) {
+    const Loop& loop = links.loops()[at(e.loop)];
+    if (loop.type == LoopType::gear) continue;
+    for (const int link : {loop.link_a, loop.link_b})
+      if (link >= 0) end_links.push_back(link);
+  }
+  std::ranges::sort(end_links);
+  end_links.erase(std::ranges::unique(end_links).begin(), end_links.end());
+  for (const int link : end_links)
+    for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent) moves[at(node)] = 1;
+  P.resize(over_nodes.present.size());
+  g.resize(over_nodes.entries.size());
+  s.resize(at(over_nodes.s_slots));
+  reduced.resize(g.size());
+  lambda.resize(g.size());
+  Lambda.resize(at(over_nodes.blocks));
+  Y.resize(over_nodes.neighbours.size());
+  factor.resize(g.size());
+  scratch.resize(scratch_size(program, sizeof(double), 1) / sizeof(CacheLine) + 1);
+}
+
+class ClosedRun {
+ public:
+  ClosedRun(const Mechanism& m, ClosedLinks& links, std::span<const double> q, std::span<const double> v)
+      : m_(m), links_(links), k_(*links.kernel_), x_(k_.over_nodes), q_(q), v_(v) {}
+
+  bool run(std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
+    const KernelArguments<double> a = arguments(tau, gravity, external, vdot);
+    const ClosedArguments c = closed_arguments();
+    closed_kernels().motion(a, c);
+    move_end_links();
+    update_loop_rows(m_, p0_, k_.X_WB, k_.V, links_.loops_, q_, v_, false, links_.rows_);
+    std::ranges::fill(k_.P, LoopColumns{});
+    for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_loop(e);
+    const bool ok = closed_kernels().forward(a, c);
+    if (ok) take_results();
+    return ok;
+  }
+
+ private:
+  KernelArguments<double> arguments(std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external,
+                                    std::span<double> vdot) {
+    const LinkProgram& program = k_.program;
+    return {.order = program.order.data(),
+            .constants = program.constants.data(),
+            .nodes = program.nodes(),
+            .slots = program.slots,
+            .nv = program.nv,
+            .links = program.links.data(),
+            .link_count = static_cast<int>(program.links.size()),
+            .angle_q = program.angle_q.data(),
+            .angle_sign = program.angle_sign.data(),
+            .angles = program.angles(),
+            .q = q_.data(),
+            .v = v_.data(),
+            .in = tau.empty() ? nullptr : tau.data(),
+            .external = external.empty() ? nullptr : &external.front().w.x,
+            .out = vdot.data(),
+            .gravity = {gravity.x, gravity.y, gravity.z},
+            .scratch = k_.scratch.data()->bytes,
+            .row_start = nullptr,
+            .depth = nullptr,
+            .stride = 1};
+  }
+  ClosedArguments closed_arguments() {
+    return {.entries = x_.entries.data(),
+            .nodes = x_.nodes.data(),
+            .present = x_.present.data(),
+            .pairs = x_.pairs.data(),
+            .eliminations = x_.eliminations.data(),
+            .neighbours = x_.neighbours.data(),
+            .updates = x_.updates.data(),
+            .gears = x_.gears.data(),
+            .entry_count = static_cast<int>(x_.entries.size()),
+            .block_count = x_.blocks,
+            .slope = links_.rows_.slope.data(),
+            .moves = k_.moves.data(),
+            .motion = k_.motion.data(),
+            .P = k_.P.data(),
+            .g = k_.g.data(),
+            .s = k_.s.data(),
+            .reduced = k_.reduced.data(),
+            .Lambda = k_.Lambda.data(),
+            .Y = k_.Y.data(),
+            .factor = k_.factor.data(),
+            .lambda = k_.lambda.data()};
+  }
+
+  /// Poses and velocities of the loops' links. The wrenches are about the first of them, so that they keep their digits far from the
+  /// world's origin.
+  void move_end_links() {
+    bool first = true;
+    for (const int link : k_.end_links) {
+      const LinkPlace& place = k_.program.links[at(link)];
+      Pose X = place.X_NL;
+      Vec6 V;
+      if (place.node >= 0) {
+        const NodeMotion& motion = k_.motion[at(place.node)];
+        const Pose X_WN{rotation_of(motion), vec(motion.p)};
+        X = X_WN * place.X_NL;
+        if (first) p0_ = X.p;
+        V.w = vec(motion.w);
+        V.v = vec(motion.v) + cross(V.w, p0_ - X_WN.p);
+      } else if (first) {
+        p0_ = X.p;
+      }
+      first = false;
+      k_.X_WB[at(link)] = X;
+      k_.V[at(link)] = V;
+    }
+  }
+
+  /// The loop's wrenches on its two nodes and its residual.
+  void begin_loop(std::size_t index) {
+    const ClosedStructure::Entry& e = x_.entries[index];
+    const Loop& loop = links_.loops_[at(e.loop)];
+    LoopLanes& g = k_.g[index];
+    g = {};
+    for (int k = 0; k < e.rows; ++k) g.x[k] = links_.rows_.drift[at(x_.row[at(e.first + k)])];
+    if (loop.type == LoopType::gear) return;
+    add_end(e, loop.link_b, e.present_b, -1, g);
+    add_end(e, loop.link_a, e.present_a, 1, g);
+  }
+  void add_end(const ClosedStructure::Entry& e, int link, int present, double sign, LoopLanes& g) {
+    LoopColumns& P = k_.P[at(present)];
+    const int node = link < 0 ? -1 : k_.program.links[at(link)].node;
+    Mat3 R = Mat3::identity();
+    Vec3 p = -p0_, turning;
+    if (node >= 0) {
+      const NodeMotion& motion = k_.motion[at(node)];
+      R = rotation_of(motion);
+      p = vec(motion.p) - p0_;
+      turning = cross(vec(motion.w), vec(motion.v));  // spatial acceleration = acceleration of the origin - w x v
+    }
+    for (int k = 0; k < e.rows; ++k) {
+      const Vec6& w = links_.rows_.W[at(x_.row[at(e.first + k)])];
+      const Vec3 n = transpose_times(R, w.w - cross(p, w.v)), f = transpose_times(R, w.v);
+      for (int c = 0; c < 3; ++c) {
+        P.c[c][k] += sign * n[c];
+        P.c[c + 3][k] += sign * f[c];
+      }
+      g.x[k] += sign * dot(w.v, turning);
+    }
+  }
+
+  void take_results() {
+    links_.rank_ = 0;
+    std::ranges::fill(links_.multipliers_, 0.0);
+    std::ranges::fill(links_.independent_, char{0});
+    for (std::size_t i = 0; i < x_.entries.size(); ++i) {
+      const ClosedStructure::Entry& e = x_.entries[i];
+      const LoopFactor& F = k_.factor[i];
+      links_.rank_ += F.rank;
+      for (int k = 0; k < e.rows; ++k) links_.multipliers_[at(x_.row[at(e.first + k)])] = k_.lambda[i].x[k];
+      for (int k = 0; k < F.rank; ++k) links_.independent_[at(x_.row[at(e.first + F.order[k])])] = 1;
+    }
+  }
+
+  const Mechanism& m_;
+  ClosedLinks& links_;
+  ClosedKernelState& k_;
+  const ClosedStructure& x_;
+  std::span<const double> q_, v_;
+  Vec3 p0_;
+};
+
+ClosedStatus calc_closed_forward_dynamics(const Mechanism& m, ClosedLinks& closed, std::span<const double> q, std::span<const double> v,
+                                          std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external,
+                                          std::span<double> vdot) {
+  UGOKI_CHECK(static_cast<int>(q.size()) == m.nq() && static_cast<int>(v.size()) == m.nv() && vdot.size() == v.size());
+  return ClosedRun(m, closed, q, v).run(tau, gravity, external, vdot) ? ClosedStatus::ok : ClosedStatus::singular_inertia;
+}
+
+const ClosedKernels& closed_kernels() {
+#ifdef UGOKI_X86_WIDTHS
+  const Kernels* const in_use = &kernels();
+  if (in_use == &avx512::table) return avx512::closed_table;
+  if (in_use == &avx2::table) return avx2::closed_table;
+#endif
+  return plain::closed_table;
+}
+
+}  // namespace ugoki::dynamics
