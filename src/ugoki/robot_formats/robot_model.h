@@ -52,9 +52,9 @@ struct RobotOptions {
   Base base = Base::by_file;
   Meshes meshes = Meshes::box;
   Inertias inertias = Inertias::repair;
-  bool weightless_meshes = false;  ///< MJCF: an absent mesh from which a body's mass would come weighs nothing; otherwise refused
-  std::optional<SideFile> loops;   ///< URDF, SDF: YAML that names loops (loops_yaml.h)
-  AssetReader read_asset;          ///< absent: no file beside the description is read
+  bool weightless_meshes = false;      ///< MJCF: an absent mesh from which a body's mass would come weighs nothing; otherwise refused
+  std::optional<SideFile> loops = {};  ///< URDF, SDF: YAML that names loops (loops_yaml.h)
+  AssetReader read_asset = {};         ///< absent: no file beside the description is read
 };
 
 }  // namespace ugoki::robot_formats
