@@ -1,0 +1,173 @@
+// Mass properties of MJCF bodies.
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/robot_formats/inertia_repair.h"
+#include "ugoki/robot_formats/mjcf_build.h"
+#include "ugoki/robot_formats/symmetric_eigen.h"
+
+namespace ugoki::robot_formats {
+namespace {
+
+constexpr double least_volume = 1e-15;  // m^3
+
+/// At density 1, about the shape's centre, in its axes.
+Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
+  const auto centred = [](double m, double xx, double yy, double zz) { return Inertia{m, {}, {xx, yy, zz, 0, 0, 0}}; };
+  switch (type) {
+    case MjcfGeomType::sphere: return solid_inertia(Shape::sphere(s.x), 1);
+    case MjcfGeomType::capsule: return solid_inertia(Shape::capsule(s.x, {0, 0, -s.y}, {0, 0, s.y}), 1);
+    case MjcfGeomType::box: return solid_inertia(Shape::box(s), 1);
+    case MjcfGeomType::cylinder: {
+      const double m = 2 * pi * s.x * s.x * s.y, across = m * (s.x * s.x / 4 + s.y * s.y / 3);
+      return centred(m, across, across, m * s.x * s.x / 2);
+    }
+    case MjcfGeomType::ellipsoid: {
+      const double m = 4.0 / 3.0 * pi * s.x * s.y * s.z, f = m / 5;
+      return centred(m, f * (s.y * s.y + s.z * s.z), f * (s.x * s.x + s.z * s.z), f * (s.x * s.x + s.y * s.y));
+    }
+    default: return {};
+  }
+}
+
+/// The mesh of a geom that has points; otherwise null, and what to say about it is said.
+MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom, const RobotOptions& options) {
+  MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
+  if (!mesh) {
+    geom.element.problem(ErrorCode::unknown, "no mesh is named " + formats::in_quotes(geom.mesh) + ".",
+                         "Correct the name, or add the mesh.");
+    return nullptr;
+  }
+  if (mesh->absent.empty()) return mesh;
+  if (options.weightless_meshes)
+    geom.element.note("A mesh that is not there weighs nothing.");
+  else
+    geom.element.problem(ErrorCode::io,
+                         "the mass of the body " + formats::in_quotes(body.name) + " comes from a mesh, but " + mesh->absent + ".",
+                         "Put the file there, give the body an <inertial>, or allow that absent meshes weigh nothing.");
+  return nullptr;
+}
+
+/// Nothing, with a problem, where it cannot be computed.
+std::optional<Inertia> geom_inertia(MjcfBody& body, const MjcfGeom& geom, const RobotOptions& options) {
+  if (geom.mass.value_or(geom.density) == 0 || geom.type == MjcfGeomType::plane) return Inertia{};
+  if (geom.type == MjcfGeomType::hfield || geom.type == MjcfGeomType::sdf || geom.shell) {
+    geom.element.problem(ErrorCode::unsupported,
+                         "the mass of the body " + formats::in_quotes(body.name) + " comes from a shape whose inertia is not computed.",
+                         "Give the body an <inertial>, or the shape mass=\"0\".");
+    return std::nullopt;
+  }
+  Inertia unit;
+  if (geom.type == MjcfGeomType::mesh) {
+    const MjcfMeshAsset* const mesh = mesh_for_inertia(body, geom, options);
+    if (!mesh) return options.weightless_meshes ? std::optional(Inertia{}) : std::nullopt;
+    unit = mesh_inertia(mesh->points, mesh->triangles, mesh->kind);
+    if (unit.mass < least_volume && geom.density > 0) {
+      geom.element.problem(ErrorCode::structure, "its mesh " + formats::in_quotes(geom.mesh) + " encloses no volume, or is inside out.",
+                           "Repair the mesh, or give the body an <inertial>.");
+      return std::nullopt;
+    }
+  } else {
+    unit = unit_inertia(geom.type, geom.size);
+  }
+  if (unit.mass < least_volume && geom.mass) return Inertia{};
+  const double density = geom.mass ? *geom.mass / unit.mass : geom.density;
+  const Inertia filled{unit.mass * density, unit.h * density, unit.I * density};
+  return filled.in_parent(geom.X_BG);
+}
+
+/// A primitive that is given by a mesh: that of the same inertia as the mesh's box of inertia.
+void fit_to_mesh(MjcfBody& body, MjcfGeom& geom) {
+  if (geom.mesh.empty() || geom.type == MjcfGeomType::mesh || geom.type == MjcfGeomType::sdf) return;
+  const MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
+  const MjcfGeomType type = geom.type;
+  geom.type = MjcfGeomType::mesh;
+  if (!mesh || !mesh->absent.empty()) return;
+  const Inertia unit = mesh_inertia(mesh->points, mesh->triangles, mesh->kind);
+  if (unit.mass < least_volume) return;
+  SymmetricEigen e = symmetric_eigen(unit.about_centre());
+  // The longest side along z: there the moment is least.
+  const int z = e.values.x <= e.values.y && e.values.x <= e.values.z ? 0 : e.values.y <= e.values.z ? 1 : 2;
+  const int x = (z + 1) % 3, y = (z + 2) % 3;
+  const Vec3 I{e.values[x], e.values[y], e.values[z]};
+  const auto half = [&](double twice) { return std::sqrt(std::max(0.0, 1.5 * twice / unit.mass)); };
+  const Vec3 box{half(I.y + I.z - I.x), half(I.x + I.z - I.y), half(I.x + I.y - I.z)};
+  switch (type) {
+    case MjcfGeomType::sphere: geom.size = {(box.x + box.y + box.z) / 3, 0, 0}; break;
+    case MjcfGeomType::capsule: geom.size = {(box.x + box.y) / 2, std::max(0.0, box.z - (box.x + box.y) / 4), 0}; break;
+    case MjcfGeomType::cylinder: geom.size = {(box.x + box.y) / 2, box.z, 0}; break;
+    default: geom.size = box;
+  }
+  geom.type = type;
+  geom.mesh.clear();
+  geom.X_BG = geom.X_BG * Pose{Mat3::columns(e.V.column(x), e.V.column(y), e.V.column(z)), unit.centre()};
+}
+
+Inertia explicit_inertia(const MjcfBody& body) {
+  const MjcfAttributes a(body.inertial);
+  for (const char* needed : {"pos", "mass"})
+    if (!a.has(needed))
+      body.inertial.problem(ErrorCode::syntax, "<inertial> has no " + std::string(needed) + ".",
+                            "Add " + std::string(needed) + "=\"...\".");
+  const double mass = a.number("mass", 0, not_negative);
+  double full[6], diagonal[3] = {0, 0, 0};
+  if (a.has("fullinertia") && a.has("diaginertia"))
+    body.inertial.problem(ErrorCode::structure, "its inertia is given twice.", "Keep diaginertia or fullinertia.");
+  const Vec3 centre = a.vec3("pos", {});
+  if (a.numbers("fullinertia", full)) return Inertia::from_centre(mass, centre, {full[0], full[1], full[2], full[3], full[4], full[5]});
+  (void)a.numbers("diaginertia", diagonal);
+  return Inertia::from_centre(mass, centre, rotated(Sym3{diagonal[0], diagonal[1], diagonal[2], 0, 0, 0}, body.source->orientation(a)));
+}
+
+/// boundmass, boundinertia, balanceinertia, and what no body can have.
+void correct(Inertia& inertia, const MjcfBody& body, const RobotOptions& options) {
+  const MjcfCompiler& c = body.source->compiler();
+  const MjcfElement& where = body.inertial ? body.inertial : body.element;
+  if (c.least_mass > inertia.mass || c.least_inertia > 0 || c.balance_inertia) {
+    const double mass = std::max(inertia.mass, c.least_mass);
+    SymmetricEigen e = symmetric_eigen(inertia.about_centre());
+    Vec3& I = e.values;
+    for (int i = 0; i < 3; ++i) I[i] = std::max(I[i], c.least_inertia);
+    if (c.balance_inertia && (I.x + I.y < I.z || I.x + I.z < I.y || I.y + I.z < I.x)) {
+      const double mean = (I.x + I.y + I.z) / 3;
+      I = {mean, mean, mean};
+      where.note("Moments of inertia that no body can have became their mean (balanceinertia).");
+    }
+    inertia = Inertia::from_centre(mass, inertia.centre(), symmetric_part(e.V * Mat3::diagonal(I.x, I.y, I.z) * e.V.transposed()));
+  }
+  if (!make_possible(inertia)) return;
+  if (options.inertias == Inertias::strict)
+    where.problem(ErrorCode::structure,
+                  "no body has the moments of inertia of " + formats::in_quotes(body.name) +
+                      " (they must be positive, and none above the sum of the other two).",
+                  "Correct them, set balanceinertia, or allow that the nearest possible are taken.");
+  else
+    where.note("Moments of inertia that no body can have became the nearest possible.");
+}
+
+}  // namespace
+
+void fit_mjcf_geoms(MjcfBody& body) {
+  for (MjcfGeom& geom : body.geoms) fit_to_mesh(body, geom);
+}
+
+Inertia mjcf_inertia(MjcfBody& body, const RobotOptions& options) {
+  const MjcfCompiler& c = body.source->compiler();
+  using FromGeoms = MjcfCompiler::FromGeoms;
+  Inertia inertia;
+  if (body.inertial && c.inertia_from_geoms != FromGeoms::always) {
+    inertia = explicit_inertia(body);
+  } else if (c.inertia_from_geoms != FromGeoms::never) {
+    for (const MjcfGeom& geom : body.geoms) {
+      if (geom.group < c.inertia_groups[0] || geom.group > c.inertia_groups[1]) continue;
+      const std::optional<Inertia> of_geom = geom_inertia(body, geom, options);
+      if (!of_geom) return inertia;  // one problem a body is enough
+      inertia += *of_geom;
+    }
+  }
+  correct(inertia, body, options);
+  return inertia;
+}
+
+}  // namespace ugoki::robot_formats
