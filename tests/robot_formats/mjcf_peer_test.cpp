@@ -1,0 +1,516 @@
+// MJCF models as mechanisms against MuJoCo's own reading of them, in random states: poses, inertia matrix, inverse and
+// forward dynamics, loops. Equality up to rounding is possible because both take the same inertias from the same text.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <random>
+
+#include "mjcf_data.h"
+#include "mujoco_peer.h"
+#include "ugoki/base/number.h"
+#include "ugoki/dynamics/dynamics.h"
+#include "ugoki/dynamics/loop_rows.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/robot_formats/mjcf.h"
+
+namespace ugoki::robot_formats {
+namespace {
+
+#ifndef UGOKI_HAVE_MUJOCO
+TEST(MjcfPeer, SharedFiles) { GTEST_SKIP() << "MuJoCo (libmujoco-dev) is not installed"; }
+#else
+
+/// Greatest disagreements, relative to the greatest number of their kind.
+struct Worst {
+  double pose = 0, inertia = 0, M = 0, inverse = 0, forward = 0, methods = 0, gap = 0, jacobian = 0;
+};
+
+struct Tolerances {
+  double mass = 1e-12;
+  double inertia = 1e-8;   ///< of each body
+  double dynamics = 1e-8;  ///< inertia matrix, inverse dynamics
+  double forward = 1e-8;
+};
+
+/// The two descriptions of one model, freedom by freedom.
+class Pair {
+ public:
+  Pair(const RobotModel& model, PeerModel& peer) : model_(model), m_(*model.mechanism), peer_(peer), ws_(m_), state_(m_) {}
+
+  /// False where the two have other bodies or joints.
+  bool match() {
+    const mjModel& p = *peer_.model;
+    EXPECT_EQ(m_.nq(), p.nq);
+    EXPECT_EQ(m_.nv(), p.nv);
+    EXPECT_NEAR(m_.mass(), mj_getTotalmass(&p), mass_tolerance * m_.mass());
+    int link = m_.link_count() > 0 && m_.link(0).name == "world" ? 1 : 0;
+    for (int b = 1; b < p.nbody; ++b) {
+      const int joints = p.body_jntnum[b];
+      for (int k = 0; k < joints; ++k, ++link)
+        if (link < m_.link_count()) joint_links_.push_back(link);
+      if (joints == 0) ++link;
+      body_link_.push_back(link - 1);
+    }
+    EXPECT_EQ(link, m_.link_count()) << "bodies";
+    if (m_.nq() != p.nq || m_.nv() != p.nv || link != m_.link_count()) return false;
+    for (int b = 1; b < p.nbody; ++b)
+      if (const char* name = mj_id2name(&p, mjOBJ_BODY, b); name && *name && !std::string(name).starts_with("peer_"))
+        EXPECT_EQ(m_.link(body_link_[static_cast<std::size_t>(b - 1)]).name, name);
+    for (int j = 0; j < p.njnt; ++j) {
+      const Link& l = m_.link(joint_links_[static_cast<std::size_t>(j)]);
+      const JointType wanted[] = {JointType::floating, JointType::spherical, JointType::prismatic, JointType::revolute};
+      EXPECT_EQ(l.joint.type, wanted[p.jnt_type[j]]) << l.name;
+      if (p.jnt_type[j] < 2 || l.joint.nv() != 1) continue;
+      const Freedom& f = l.joint.freedoms[0];
+      const double ref = p.qpos0[p.jnt_qposadr[j]];
+      EXPECT_EQ(std::isfinite(f.lower), p.jnt_limited[j] != 0) << l.name;
+      if (p.jnt_limited[j] && std::isfinite(f.lower)) {
+        EXPECT_NEAR(f.lower, p.jnt_range[2 * j] - ref, 1e-12);
+        EXPECT_NEAR(f.upper, p.jnt_range[2 * j + 1] - ref, 1e-12);
+      }
+      if (!l.name.starts_with("haltere") && !l.name.starts_with("Ca_")) {  // springdamper, which is left out
+        EXPECT_EQ(f.stiffness, p.jnt_stiffness[j]) << l.name;
+        EXPECT_EQ(f.damping, p.dof_damping[p.jnt_dofadr[j]]) << l.name;
+      }
+      EXPECT_NEAR(f.rest, p.qpos_spring[p.jnt_qposadr[j]] - ref, 1e-12) << l.name;
+      EXPECT_EQ(f.armature, p.dof_armature[p.jnt_dofadr[j]]) << l.name;
+      EXPECT_EQ(f.friction, p.dof_frictionloss[p.jnt_dofadr[j]]) << l.name;
+    }
+    return true;
+  }
+
+  void compare(std::mt19937& random, Worst& worst) {
+    set_state(random);
+    compare_poses(worst);
+    compare_dynamics(random, worst);
+  }
+
+  void compare_loops(std::mt19937& random, Worst& worst);
+
+  /// The same mechanism with the inertias that MuJoCo made of the file: it finds principal axes only to about 1e-11, which
+  /// an ill-conditioned inertia matrix magnifies. Their difference from ours goes into `worst`.
+  MechanismPtr with_their_inertias(Worst& worst) const {
+    const mjModel& p = *peer_.model;
+    MechanismSpec spec = m_.spec();
+    for (int b = 1; b < p.nbody; ++b) {
+      const auto link = static_cast<std::size_t>(body_link_[static_cast<std::size_t>(b - 1)]);
+      const mjtNum *q = p.body_iquat + 4 * b, *c = p.body_ipos + 3 * b, *I = p.body_inertia + 3 * b;
+      const Mat3 R = to_matrix(Quat{q[0], q[1], q[2], q[3]});
+      const Sym3 about_centre = rotated(Sym3{I[0], I[1], I[2], 0, 0, 0}, R);
+      Inertia& ours = spec.links[link].inertia;
+      const Sym3 d = ours.about_centre() - rotated(about_centre, model_.X_BF[link].R);
+      const double error = std::max({std::fabs(d.xx), std::fabs(d.yy), std::fabs(d.zz), std::fabs(d.xy), std::fabs(d.xz), std::fabs(d.yz)});
+      // Moments about the centre are differences of moments about the link's origin. Off-diagonal moments below 1e-12 kg m^2
+      // are zero to MuJoCo's Jacobi rotations, which is much of a rat's or a fly's.
+      const double scale = std::max({I[0], I[1], I[2], ours.I.xx, ours.I.yy, ours.I.zz, 1e-30});
+      worst.inertia = std::max(worst.inertia, std::max(0.0, error - 4e-12) / scale);
+      ours = Inertia::from_centre(p.body_mass[b], {c[0], c[1], c[2]}, about_centre).in_parent(model_.X_BF[link]);
+    }
+    Result<MechanismPtr> made = Mechanism::make(std::move(spec));
+    EXPECT_TRUE(made.has_value()) << (made ? std::string() : made.error().text());
+    return made ? *made : nullptr;
+  }
+
+  double mass_tolerance = 1e-12;
+
+ private:
+  static double uniform(std::mt19937& random, double reach) { return std::uniform_real_distribution<double>(-reach, reach)(random); }
+
+  void set_state(std::mt19937& random) {
+    const mjModel& p = *peer_.model;
+    mjData& d = *peer_.data;
+    mj_resetData(&p, &d);
+    for (int j = 0; j < p.njnt; ++j) {
+      const Link& l = m_.link(joint_links_[static_cast<std::size_t>(j)]);
+      double* q = state_.q.data() + l.q_index;
+      mjtNum* theirs = d.qpos + p.jnt_qposadr[j];
+      const auto random_quat = [&] {
+        return normalized(Quat{uniform(random, 1), uniform(random, 1), uniform(random, 1), uniform(random, 1)});
+      };
+      const auto put = [](const Quat& r, double* to) { to[0] = r.w, to[1] = r.x, to[2] = r.y, to[3] = r.z; };
+      if (l.joint.type == JointType::floating) {
+        for (int i = 0; i < 3; ++i) q[i] = uniform(random, 1);
+        put(random_quat(), q + 3);
+        const Pose X = l.joint.X_PJ * joint_pose(l.joint, q);
+        for (int i = 0; i < 3; ++i) theirs[i] = X.p[i];
+        put(to_quat(X.R), theirs + 3);
+      } else if (l.joint.type == JointType::spherical) {
+        put(random_quat(), q);
+        put(Quat{q[0], q[1], q[2], q[3]}, theirs);
+      } else {
+        q[0] = uniform(random, l.joint.type == JointType::revolute ? 3 : 0.5);
+        theirs[0] = q[0] + p.qpos0[p.jnt_qposadr[j]];
+      }
+    }
+    for (double& v : state_.v) v = uniform(random, 1);
+    to_theirs(state_.v, d.qvel);
+    for (int i = 0; i < 3; ++i) gravity_[i] = peer_.model->opt.gravity[i] = uniform(random, 10);
+    dynamics::update_kinematics(m_, state_.q, state_.v, ws_);
+  }
+
+  /// Velocities or accelerations, and as the map is orthogonal, forces: theirs has position' in world axes, first.
+  void to_theirs(const std::vector<double>& ours, mjtNum* theirs) const {
+    for (int j = 0; j < peer_.model->njnt; ++j) {
+      const Link& l = m_.link(joint_links_[static_cast<std::size_t>(j)]);
+      const double* v = ours.data() + l.v_index;
+      mjtNum* out = theirs + peer_.model->jnt_dofadr[j];
+      if (l.joint.type != JointType::floating) {
+        for (int i = 0; i < l.joint.nv(); ++i) out[i] = v[i];
+        continue;
+      }
+      const Vec3 linear = l.joint.X_PJ.R * Vec3{v[3], v[4], v[5]};
+      for (int i = 0; i < 3; ++i) out[i] = linear[i], out[3 + i] = v[i];
+    }
+  }
+
+  static void grow(double& worst, const std::vector<double>& a, const mjtNum* b) {
+    double scale = 1e-12, error = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      scale = std::max(scale, std::fabs(b[i]));
+      error = std::max(error, std::fabs(a[i] - b[i]));
+    }
+    worst = std::max(worst, error / scale);
+  }
+
+  void compare_poses(Worst& worst) {
+    const mjModel& p = *peer_.model;
+    mjData& d = *peer_.data;
+    mj_kinematics(&p, &d);
+    double size = 1e-3;
+    for (int b = 1; b < p.nbody; ++b) size = std::max(size, mju_norm3(d.xpos + 3 * b));
+    for (int b = 1; b < p.nbody; ++b) {
+      const auto link = static_cast<std::size_t>(body_link_[static_cast<std::size_t>(b - 1)]);
+      const Pose X = ws_.X_WB[link] * model_.X_BF[link];
+      for (int i = 0; i < 3; ++i) {
+        worst.pose = std::max(worst.pose, std::fabs(X.p[i] - d.xpos[3 * b + i]) / size);
+        for (int k = 0; k < 3; ++k) worst.pose = std::max(worst.pose, std::fabs(X.R.row(i)[k] - d.xmat[9 * b + 3 * i + k]));
+      }
+    }
+  }
+
+  void compare_dynamics(std::mt19937& random, Worst& worst) {
+    const auto n = static_cast<std::size_t>(m_.nv());
+    const mjModel& p = *peer_.model;
+    mjData& d = *peer_.data;
+    // inverse dynamics
+    std::vector<double> vdot(n), tau(n), theirs(n);
+    for (double& a : vdot) a = uniform(random, 3);
+    to_theirs(vdot, d.qacc);
+    mj_inverse(&p, &d);
+    dynamics::calc_inverse_dynamics(m_, ws_, vdot, gravity_, {}, tau);
+    to_theirs(tau, theirs.data());
+    grow(worst.inverse, theirs, d.qfrc_inverse);
+
+    // inertia matrix, column by column in their order
+    std::vector<double> M(n * n), column(n), M_theirs(n * n), full(n * n);
+    dynamics::calc_inertia_matrix(m_, ws_, M);
+    mj_fullM(&p, full.data(), d.qM);
+    for (std::size_t j = 0; j < n; ++j) {
+      for (std::size_t i = 0; i < n; ++i) column[i] = M[i * n + j];
+      to_theirs(column, theirs.data());
+      for (std::size_t i = 0; i < n; ++i) M_theirs[i * n + j] = theirs[i];
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      std::copy_n(M_theirs.begin() + static_cast<std::ptrdiff_t>(i * n), n, column.begin());
+      to_theirs(column, theirs.data());
+      std::copy_n(theirs.begin(), n, M_theirs.begin() + static_cast<std::ptrdiff_t>(i * n));
+    }
+    grow(worst.M, M_theirs, full.data());
+
+    // forward dynamics: with the forces of the inverse, so that accelerations stay of order one whatever the masses
+    to_theirs(tau, d.qfrc_applied);
+    mj_forward(&p, &d);
+    std::vector<double> by_factor(n), by_units(n);
+    ASSERT_TRUE(dynamics::calc_forward_dynamics(m_, ws_, tau, gravity_, {}, vdot));
+    ASSERT_TRUE(dynamics::calc_forward_dynamics_by_factor(m_, ws_, tau, gravity_, {}, by_factor));
+    to_theirs(vdot, theirs.data());
+    grow(worst.forward, theirs, d.qacc);
+    grow(worst.methods, by_factor, vdot.data());
+    if (n <= 200) {  // O(nv^3), and it allocates
+      ASSERT_TRUE(dynamics::calc_forward_dynamics_by_unit_vectors(m_, ws_, tau, gravity_, {}, by_units));
+      grow(worst.methods, by_units, vdot.data());
+    }
+  }
+
+  const RobotModel& model_;
+  const Mechanism& m_;
+  PeerModel& peer_;
+  dynamics::Workspace ws_;
+  State state_;
+  Vec3 gravity_;
+  std::vector<int> joint_links_;  ///< their joint -> our link
+  std::vector<int> body_link_;    ///< their body - 1 -> our link
+};
+
+/// Rows of balls, of the positions of welds, and of gears.
+void Pair::compare_loops(std::mt19937& random, Worst& worst) {
+  set_state(random);
+  const mjModel& p = *peer_.model;
+  mjData& d = *peer_.data;
+  peer_.model->opt.disableflags &= ~mjDSBL_EQUALITY;
+  mj_forward(&p, &d);
+  peer_.model->opt.disableflags |= mjDSBL_EQUALITY;
+  dynamics::LoopRows rows(m_.loops());
+  dynamics::update_loop_rows(m_, ws_, m_.loops(), state_.q, state_.v, rows);
+  const auto n = static_cast<std::size_t>(m_.nv());
+  std::vector<double> J(n, 0.0), theirs(n);
+  int row = 0, i = 0;
+  for (int e = 0; e < p.neq; ++e) {
+    const int of_e = p.eq_type[e] == mjEQ_WELD ? 6 : p.eq_type[e] == mjEQ_CONNECT ? 3 : 1;
+    if (!p.eq_active[e]) continue;
+    ASSERT_LT(static_cast<std::size_t>(i), m_.loops().size());
+    const Loop& loop = m_.loops()[static_cast<std::size_t>(i)];
+    ASSERT_LE(row + of_e, d.nefc);
+    const auto linked = [&](int link, const Pose& X_LJ) { return link < 0 ? X_LJ : ws_.X_WB[static_cast<std::size_t>(link)] * X_LJ; };
+    if (of_e == 1) {  // gears: as they are
+      dynamics::calc_loop_jacobian_row(m_, ws_, loop, rows, i, 0, J);
+      to_theirs(J, theirs.data());
+      worst.gap =
+          std::max(worst.gap, std::fabs(rows.gap[static_cast<std::size_t>(rows.first[static_cast<std::size_t>(i)])] - d.efc_pos[row]));
+      grow(worst.jacobian, theirs, d.efc_J + static_cast<std::ptrdiff_t>(row) * p.nv);
+    } else {
+      // Ours: the velocity of B's point, seen from A, along the axes of A. Theirs: along the world's, of A's point less B's.
+      const Pose X_WJ = linked(loop.link_a, loop.X_AJ);
+      const Vec3 gap = linked(loop.link_b, loop.X_BJ).p - X_WJ.p;
+      std::vector<double> ours[3] = {std::vector<double>(n), std::vector<double>(n), std::vector<double>(n)};
+      for (int r = 0; r < 3; ++r) {
+        dynamics::calc_loop_jacobian_row(m_, ws_, loop, rows, i, r, J);
+        const Vec3 axis = X_WJ.R.column(r);
+        const double g = rows.gap[static_cast<std::size_t>(rows.first[static_cast<std::size_t>(i)] + r)];
+        worst.gap = std::max(worst.gap, std::fabs(g + dot(axis, {d.efc_pos[row], d.efc_pos[row + 1], d.efc_pos[row + 2]})));
+        for (int k = 0; k < 3; ++k)
+          for (std::size_t c = 0; c < n; ++c) ours[k][c] += axis[k] * J[c];
+      }
+      if (loop.link_a >= 0)
+        for (const int c : dynamics::chain_of_link(ws_, loop.link_a)) {
+          const Vec3 turned = cross(ws_.S[static_cast<std::size_t>(c)].w, gap);
+          for (int k = 0; k < 3; ++k) ours[k][static_cast<std::size_t>(c)] += turned[k];
+        }
+      std::vector<double> all(3 * n);
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (double& x : ours[k]) x = -x;
+        to_theirs(ours[k], all.data() + k * n);
+      }
+      grow(worst.jacobian, all, d.efc_J + static_cast<std::ptrdiff_t>(row) * p.nv);
+    }
+    row += of_e;
+    ++i;
+  }
+  EXPECT_EQ(static_cast<std::size_t>(i), m_.loops().size());
+}
+
+void check(const RobotModel& model, PeerModel& peer, const std::string& name, int states, const Tolerances& tolerance = {}) {
+  ASSERT_TRUE(peer.model) << "MuJoCo does not open it: " << peer.why;
+  Pair pair(model, peer);
+  pair.mass_tolerance = tolerance.mass;
+  if (!pair.match()) return;
+  std::mt19937 random(7);
+  Worst worst;
+  for (int s = 0; s < states; ++s) pair.compare(random, worst);
+  for (int s = 0; s < std::min(states, 20) && model.mechanism->has_loops(); ++s) pair.compare_loops(random, worst);
+  RobotModel same = model;
+  same.mechanism = pair.with_their_inertias(worst);
+  ASSERT_TRUE(same.mechanism);
+  Pair same_pair(same, peer);
+  same_pair.mass_tolerance = tolerance.mass;
+  Worst same_worst;
+  if (same_pair.match())
+    for (int s = 0; s < states; ++s) same_pair.compare(random, same_worst);
+  EXPECT_LT(worst.pose, 1e-12);
+  EXPECT_LT(worst.inertia, tolerance.inertia);
+  EXPECT_LT(worst.M, tolerance.dynamics);
+  EXPECT_LT(worst.inverse, tolerance.dynamics);
+  EXPECT_LT(worst.forward, tolerance.forward);
+  EXPECT_LT(same_worst.M, 1e-12);
+  EXPECT_LT(same_worst.inverse, 1e-11);
+  EXPECT_LT(same_worst.forward, 1e-8);
+  EXPECT_LT(worst.methods, 1e-9);
+  EXPECT_LT(worst.gap, 1e-9);
+  EXPECT_LT(worst.jacobian, 1e-9);
+  std::printf(
+      "%-52s links %3d nq %3d nv %3d mass %9.4f loops %d | pose %.0e I %.0e M %.0e inverse %.0e forward %.0e "
+      "(same I: %.0e) ours %.0e",
+      name.c_str(), model.mechanism->link_count(), model.mechanism->nq(), model.mechanism->nv(), model.mechanism->mass(),
+      static_cast<int>(model.mechanism->loops().size()), worst.pose, worst.inertia, worst.M, worst.inverse, worst.forward,
+      same_worst.forward, worst.methods);
+  if (model.mechanism->has_loops()) std::printf(" gap %.0e J %.0e", worst.gap, worst.jacobian);
+  std::printf("\n");
+}
+
+void check_file(const std::string& name, int states) {
+  SCOPED_TRACE(name);
+  const auto model = read_mjcf(load_data(name), name, data_options());
+  ASSERT_TRUE(model.has_value()) << model.error().text();
+  PeerModel peer = open_with_mujoco(data_folder() + name, {.strip_meshes = true, .stand_in = {}});
+  Tolerances tolerance;
+  // The moments that MuJoCo drops (above) are up to 1e-6 of a toe's, and its toes turn with as little inertia.
+  if (name == "animal/rodent.xml") tolerance.forward = 1e-5;
+  check(*model, peer, std::filesystem::path(name).filename().string(), states, tolerance);
+}
+
+/// A turned box for a mesh file that is not there, whose coordinates single precision holds exactly. A box, because MuJoCo
+/// 2.2.2 takes the volume of a mesh to be that of its box of inertia; later versions and we integrate it.
+std::string stand_in(const std::string& path) {
+  const std::string file = std::filesystem::path(path).filename().string();
+  std::mt19937 random(static_cast<unsigned>(std::hash<std::string>()(file)));
+  const double unit = file.ends_with(".obj") ? 5.0 / 16 : 5.0 / 1024;  // the fly's are scaled by a tenth
+  const auto times = [&] { return unit * static_cast<double>(1 + random() % 4); };
+  const Vec3 centre{times(), times(), times()}, half{times(), times(), times()};
+  std::vector<Vec3> points;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 p{i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z};
+    points.push_back(centre + Vec3{0.6 * p.x - 0.8 * p.y, 0.8 * p.x + 0.6 * p.y, p.z});
+  }
+  constexpr int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  std::string out;
+  if (file.ends_with(".obj")) {
+    for (const Vec3& p : points) out += "v " + to_text(p.x) + " " + to_text(p.y) + " " + to_text(p.z) + "\n";
+    for (const auto& f : faces)
+      out += "f " + std::to_string(f[0] + 1) + " " + std::to_string(f[1] + 1) + " " + std::to_string(f[2] + 1) + "\n";
+    return out;
+  }
+  const auto put = [&](const auto& value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  out.assign(80, ' ');
+  put(std::uint32_t{12});
+  for (const auto& f : faces) {
+    for (int i = 0; i < 3; ++i) put(0.0F);
+    for (const int corner : f)
+      for (int i = 0; i < 3; ++i) put(static_cast<float>(points[static_cast<std::size_t>(corner)][i]));
+    put(std::uint16_t{0});
+  }
+  return out;
+}
+
+RobotOptions with_stand_ins() {
+  RobotOptions options;
+  options.read_asset = [](const std::string& path) -> Result<std::string> {
+    if (path.ends_with(".stl") || path.ends_with(".obj")) return stand_in(path);
+    return files::read_file(data_folder() + path);
+  };
+  return options;
+}
+
+void check_with_stand_ins(const std::string& name, int states, const Tolerances& tolerance) {
+  SCOPED_TRACE(name);
+  const auto model = read_mjcf(load_data(name), name, with_stand_ins());
+  ASSERT_TRUE(model.has_value()) << model.error().text();
+  PeerModel peer = open_with_mujoco(data_folder() + name, {.strip_meshes = false, .stand_in = stand_in});
+  check(*model, peer, std::filesystem::path(name).filename().string() + " (boxes for meshes)", states, tolerance);
+}
+
+// Files whose masses do not come from meshes that are absent, and which attach no absent model.
+const char* const whole_files[] = {
+    "mechanism/closed_loop/mujoco/model__slider_crank__slider_crank.xml",
+    "mechanism/closed_loop/mujoco/test__engine__testdata__connect.xml",
+    "mechanism/closed_loop/mujoco/test__engine__testdata__core_constraint__jdotv_connect_2d.xml",
+    "mechanism/closed_loop/mujoco/test__engine__testdata__core_constraint__jdotv_connect_3d.xml",
+    "mechanism/closed_loop/mujoco/test__engine__testdata__core_constraint__jdotv_weld_3d.xml",
+    "mechanism/closed_loop/mujoco/test__engine__testdata__equality_site.xml",
+    "mechanism/closed_loop/mujoco/test__engine__testdata__weld.xml",
+    "mechanism/open_chain/dm_control/cheetah.xml",
+    "mechanism/open_chain/dm_control/fish.xml",
+    "mechanism/open_chain/dm_control/humanoid.xml",
+    "mechanism/open_chain/dm_control/humanoid_CMU.xml",
+    "mechanism/open_chain/dm_control/quadruped.xml",
+    "mechanism/open_chain/menagerie_xml_only/anybotics_anymal_b/anymal_b.xml",
+    "mechanism/open_chain/menagerie_xml_only/anybotics_anymal_b/scene.xml",
+    "mechanism/open_chain/menagerie_xml_only/robotis_op3/op3.xml",
+    "mechanism/open_chain/menagerie_xml_only/robotis_op3/scene.xml",
+    "mechanism/open_chain/menagerie_xml_only/unitree_a1/a1.xml",
+    "mechanism/open_chain/menagerie_xml_only/unitree_a1/scene.xml",
+    "mechanism/open_chain/menagerie_xml_only/unitree_a1/suspended_a1.xml",
+    "mechanism/open_chain/mujoco/model__adhesion__active_adhesion.xml",
+    "mechanism/open_chain/mujoco/model__humanoid__humanoid.xml",
+    "mechanism/open_chain/mujoco/model__replicate__newton_cradle.xml",
+    "mechanism/open_chain/mujoco/model__tendon_arm__arm26.xml",
+    "animal/rodent.xml",
+};
+
+// MuJoCo keeps the points of meshes in single precision, after it moved them to their centre.
+constexpr Tolerances single_precision = {.mass = 1e-6, .inertia = 1e-5, .dynamics = 1e-5, .forward = 1e-3};
+
+TEST(MjcfPeer, SharedFilesOfMeshes) {
+  NEEDS_MJCF_DATA();
+  for (const char* name : {"animal/dog.xml", "animal/fruitfly.xml"}) check_with_stand_ins(name, 5, single_precision);
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? text : text.replace(at, what.size(), by);
+}
+
+// The car's chassis is the hull of nine points. Its volume, by facets found by brute force over all triples of points, is
+// 0.4158 l; for the comparison the mass is given, because MuJoCo 2.2.2 takes the volume of its box of inertia.
+TEST(MjcfPeer, HullOfPoints) {
+  NEEDS_MJCF_DATA();
+  const std::string name = "mechanism/open_chain/mujoco/model__car__car.xml", text = load_data(name);
+  const auto model = read_mjcf(text, name, data_options());
+  ASSERT_TRUE(model.has_value()) << model.error().text();
+  const Mechanism& m = *model->mechanism;
+  EXPECT_NEAR(m.link(m.find_link("car")).inertia.mass - 4.0 / 3.0 * pi * 0.015 * 0.015 * 0.015 * 1000, 0.4158, 1e-12);
+  const std::string weighed = replaced(text, "mesh=\"chasis\"/>", "mesh=\"chasis\" mass=\"0.4158\"/>");
+  const auto again = read_mjcf(weighed, name, data_options());
+  ASSERT_TRUE(again.has_value()) << again.error().text();
+  PeerModel peer = open_text_with_mujoco(weighed);
+  check(*again, peer, "model__car__car.xml (mass given)", 5, single_precision);
+}
+
+// One hundred free bodies by nested frames and replicates, and a humanoid of another file.
+TEST(MjcfPeer, HumanoidAndAHundredBodies) {
+  NEEDS_MJCF_DATA();
+  const std::string folder = "mechanism/open_chain/mujoco/", name = folder + "model__humanoid__humanoid100.xml";
+  const std::string text = load_data(name);
+  RobotOptions options;
+  options.read_asset = [&](const std::string& path) {
+    return files::read_file(data_folder() + folder + "model__humanoid__" + path.substr(folder.size()));
+  };
+  const auto both = read_mjcf(text, name, options);
+  ASSERT_TRUE(both.has_value()) << both.error().text();
+  EXPECT_EQ(both->mechanism->nv(), 627) << "the file's own comment";
+
+  const std::string alone = replaced(replaced(text, "<model file=\"humanoid.xml\"/>", ""),
+                                     "<attach model=\"Humanoid\" body=\"torso\" prefix=\"humanoid_\"/>", "");
+  const auto bodies = read_mjcf(alone, name);
+  ASSERT_TRUE(bodies.has_value()) << bodies.error().text();
+  PeerModel peer = open_text_with_mujoco(alone);
+  check(*bodies, peer, "model__humanoid__humanoid100.xml (the bodies)", 2);
+
+  // the rest is the humanoid of its own file, with a prefix
+  const std::string humanoid_name = folder + "model__humanoid__humanoid.xml";
+  const auto humanoid = read_mjcf(load_data(humanoid_name), humanoid_name);
+  ASSERT_TRUE(humanoid.has_value());
+  EXPECT_NEAR(both->mechanism->mass(), bodies->mechanism->mass() + humanoid->mechanism->mass(), 1e-9);
+  for (const Link& l : humanoid->mechanism->links()) {
+    if (l.name == "world") continue;
+    const std::size_t colon = l.name.find(':');
+    const std::string here =
+        "humanoid_" + (colon == std::string::npos ? l.name : l.name.substr(0, colon) + ":humanoid_" + l.name.substr(colon + 1));
+    const int i = both->mechanism->find_link(here);
+    ASSERT_GE(i, 0) << here;
+    EXPECT_EQ(both->mechanism->link(i).inertia, l.inertia) << here;
+    EXPECT_EQ(both->mechanism->link(i).joint.freedoms, l.joint.freedoms) << here;
+    EXPECT_EQ(both->mechanism->link(i).shapes.size(), l.shapes.size()) << here;
+  }
+}
+
+TEST(MjcfPeer, SharedFiles) {
+  NEEDS_MJCF_DATA();
+  for (const char* name : whole_files) check_file(name, 3);
+}
+
+TEST(SlowMjcfPeer, SharedFilesInAHundredStates) {
+  NEEDS_MJCF_DATA();
+  for (const char* name : whole_files) check_file(name, 100);
+}
+#endif
+
+}  // namespace
+}  // namespace ugoki::robot_formats
