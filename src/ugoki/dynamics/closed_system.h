@@ -1,0 +1,47 @@
+#pragma once
+// A closed link system as the integrators see it: loops that hold to rounding, and that can be closed and opened while it runs.
+
+#include "ugoki/dynamics/closed_links.h"
+#include "ugoki/dynamics/open_system.h"
+
+namespace ugoki::dynamics {
+
+/// What happened when a loop was closed.
+struct ClosingReport {
+  ClosedStatus status = ClosedStatus::ok;
+  double gap = 0;          ///< greatest gap before, m | rad
+  double energy_lost = 0;  ///< J, kinetic: what the impulse took
+};
+
+class ClosedSystem : public OpenSystem {
+ public:
+  /// With the mechanism's own loops, those closed that are closed at the start.
+  explicit ClosedSystem(MechanismPtr mechanism, const OpenSystemOptions& options = {});
+
+  /// Adds an open loop, for example a hand on a rail. Allocates. @return its index in links().loops()
+  int add_loop(Loop loop);
+  /// Closes a loop at (q, v): positions are brought together (what is left of the gap, moving as little mass as little as
+  /// possible), and v jumps to the nearest velocity that opens no loop: links().multipliers() are the impulses [N s | N m s].
+  /// Momentum is that before plus the impulses on the world; energy is lost, never won. Allocates.
+  ClosingReport close(int loop, std::span<double> q, std::span<double> v);
+  /// Opens a loop: nothing jumps. Allocates.
+  void open(int loop);
+
+  [[nodiscard]] int calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) override;
+  /// The exact derivatives are those of open systems.
+  [[nodiscard]] bool calc_acceleration_jacobian(double, std::span<const double>, std::span<const double>, std::span<double>,
+                                                std::span<double>) override {
+    return false;
+  }
+  [[nodiscard]] Projection project(double t, std::span<double> q, std::span<double> v) override;
+
+  /// After calc_acceleration() its multipliers are the forces in the loops, after close() the impulses.
+  [[nodiscard]] const ClosedLinks& links() const { return links_; }
+
+ private:
+  void rebuild(std::vector<Loop> loops, std::span<const char> closed);
+
+  ClosedLinks links_;
+};
+
+}  // namespace ugoki::dynamics
