@@ -158,7 +158,7 @@ int run_import(const Options& options) {
 void add_import_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("import", "Read measured files, make bodies of them, and put both into the library.");
-  verb->add_option("files", options->files, "BVH, AMC (with their ASF) or mechanism JSON files")->required();
+  verb->add_option("files", options->files, "BVH, AMC (with their ASF), mechanism JSON, URDF, SDF or MJCF files")->required();
   verb->add_option("--name", options->source.intake.name, "Name of the entries (one file only; otherwise the file's name)");
   verb->add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas")->delimiter(',');
   verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")
@@ -171,6 +171,7 @@ void add_import_verb(CLI::App& app, Action& action) {
       ->check(CLI::Range(1.0, 10000.0))
       ->capture_default_str();
   verb->add_option("--asf", options->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  add_robot_options(*verb, options->source.robot);
   verb->add_option("--bvh", options->bvh, "Write the measured motion back as BVH: a file, or a folder for several");
   verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--dry-run", options->dry, "Read and report, store nothing");

@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "mechanism_info.h"
 #include "output.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
@@ -21,21 +22,6 @@ struct Options {
   SourceOptions source;
   bool tree = false, json = false;
 };
-
-Json mechanism_json(const Mechanism& m) {
-  Json links = Json::array();
-  for (const Link& link : m.links()) {
-    links.push_back({{"name", link.name},
-                     {"label", link.label},
-                     {"parent", link.parent},
-                     {"joint", name_of(link.joint.type)},
-                     {"freedoms", link.joint.nv()},
-                     {"mass_kg", link.inertia.mass},
-                     {"shapes", link.shapes.size()}});
-  }
-  return {{"name", m.name()},    {"links_count", m.link_count()}, {"freedoms", m.nv()},       {"coordinates", m.nq()},
-          {"mass_kg", m.mass()}, {"loops", m.has_loops()},        {"links", std::move(links)}};
-}
 
 Json motion_json(const Motion& m) {
   Json contacts = Json::array();
@@ -173,12 +159,11 @@ Result<Json> info_of(const Options& options) {
       return json;
     }
     case TargetKind::mechanism_file: {
-      const Result<std::string> text = files::read_file(options.target);
-      if (!text) return fail(text.error());
-      const Result<MechanismPtr> mechanism = formats::read_mechanism(*text, options.target);
-      if (!mechanism) return fail(mechanism.error());
+      const Result<intake::Intake> taken = take_in_file(options.target, options.source);
+      if (!taken) return fail(taken.error());
       Json json = {{"kind", "mechanism"}};
-      json.update(mechanism_json(**mechanism));
+      json.update(mechanism_json(*taken->mechanism, taken->robot ? &*taken->robot : nullptr));
+      if (!taken->report.empty()) json["report"] = taken->report;
       return json;
     }
     case TargetKind::measured_file: {
@@ -245,11 +230,14 @@ int run_info(const Options& options) {
 void add_info_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("info", "What a file or an entry of the library holds: counts, tree, masses, freedoms.");
-  verb->add_option("target", options->target, "BVH, AMC, mechanism JSON, *.ugoki, *.ugx, a library, or an entry's name or id")->required();
+  verb->add_option("target", options->target,
+                   "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.ugoki, *.ugx, a library, or an entry's name or id")
+      ->required();
   verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
+  add_robot_options(*verb, options->source.robot);
   verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
-  verb->footer("Example:\n  ugoki info walk.bvh\n  ugoki info park.ugoki --json");
+  verb->footer("Example:\n  ugoki info walk.bvh\n  ugoki info robot.urdf --base fixed\n  ugoki info park.ugoki --json");
   verb->callback([options, &action] { action = [options] { return run_info(*options); }; });
 }
 

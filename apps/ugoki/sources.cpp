@@ -98,14 +98,26 @@ Result<TargetKind> kind_of(const std::string& target) {
   if (target.ends_with(".ugx")) return TargetKind::executable;
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
-    return fail(ErrorCode::unsupported, target, "This kind of file is not known.", "Give a .bvh, .amc, .json, .ugoki or .ugx file.");
-  return *kind == intake::FileKind::mechanism_json ? TargetKind::mechanism_file : TargetKind::measured_file;
+    return fail(ErrorCode::unsupported, target, "This kind of file is not known.",
+                "Give a .bvh, .amc, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+  const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
+  return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
 
 Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions& options) {
   Result<std::string> bytes = files::read_file(path);
   if (!bytes) return fail(std::move(bytes.error()));
-  if (intake::file_kind(path) != intake::FileKind::amc) return intake::take_in(*bytes, path, nullptr, options.intake);
+  const std::optional<intake::FileKind> kind = intake::file_kind(path);
+  if (kind == intake::FileKind::robot) {
+    Result<robot_formats::RobotOptions> robot = robot_options(path, options.robot);
+    if (!robot) return fail(std::move(robot.error()));
+    intake::IntakeOptions intake_options = options.intake;
+    intake_options.robot = std::move(*robot);
+    Result<intake::Intake> taken = intake::take_in(*bytes, path, nullptr, intake_options);
+    if (taken && intake_options.robot.loops) taken->report.push_back("Loops are named by " + intake_options.robot.loops->name + ".");
+    return taken;
+  }
+  if (kind != intake::FileKind::amc) return intake::take_in(*bytes, path, nullptr, options.intake);
   const std::string asf_path = options.asf.empty() ? intake::skeleton_name_for(path) : options.asf;
   std::error_code ignored;
   if (options.asf.empty() && !fs::exists(asf_path, ignored))

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "robot_options.h"
 #include "ugoki/base/result.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/content/scenario.h"
@@ -20,6 +21,7 @@ struct SourceOptions {
   std::string library;  ///< path; empty: the default
   std::string asf;      ///< skeleton for AMC files; empty: beside the file
   intake::IntakeOptions intake;
+  RobotChoice robot;  ///< for URDF, SDF and MJCF
 };
 
 /// Path of the library that the options mean.
@@ -28,7 +30,7 @@ struct SourceOptions {
 /// A file by its first bytes or the ending of its name; what is no file is taken for an entry's name or id.
 [[nodiscard]] Result<TargetKind> kind_of(const std::string& target);
 
-/// Reads a measured file (with its skeleton) from disk.
+/// Reads a measured file (with its skeleton) or a description of a mechanism (with its meshes and loops) from disk.
 [[nodiscard]] Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions& options);
 
 /// A motion with the mechanism that it moves.

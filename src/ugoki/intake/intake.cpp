@@ -7,6 +7,7 @@
 #include "ugoki/formats/bvh.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
+#include "ugoki/robot_formats/robot_file.h"
 
 namespace ugoki::intake {
 namespace {
@@ -101,8 +102,8 @@ Result<Intake> from_measured(MeasuredMotion measured, formats::ReadNotes notes, 
   return out;
 }
 
-Result<Intake> from_mechanism(std::string_view text, std::string_view file_name, const IntakeOptions& options) {
-  Result<MechanismPtr> mechanism = formats::read_mechanism(text, file_name);
+/// The file holds a mechanism and no motion.
+Result<Intake> from_mechanism(Result<MechanismPtr> mechanism, std::string_view file_name, const IntakeOptions& options) {
   if (!mechanism) return fail(std::move(mechanism.error()));
   const std::string name = !options.name.empty() ? options.name : !(*mechanism)->name().empty() ? (*mechanism)->name() : stem_of(file_name);
   if ((*mechanism)->name() != name) mechanism = renamed(**mechanism, name);
@@ -112,6 +113,16 @@ Result<Intake> from_mechanism(std::string_view text, std::string_view file_name,
   out.mechanism = std::move(*mechanism);
   out.items = {{store::EntryKind::mechanism, name, text_of(mechanism_summary(*out.mechanism, out.source)), options.tags,
                 bytes_of(formats::write_mechanism(*out.mechanism))}};
+  return out;
+}
+
+Result<Intake> from_robot(std::string_view text, std::string_view file_name, const IntakeOptions& options) {
+  Result<robot_formats::RobotModel> robot = robot_formats::read_robot_file(text, file_name, options.robot);
+  if (!robot) return fail(std::move(robot.error()));
+  Result<Intake> out = from_mechanism(robot->mechanism, file_name, options);
+  if (!out) return out;
+  out->report = robot->notes;
+  out->robot = std::move(*robot);
   return out;
 }
 
@@ -133,6 +144,7 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "amc") return FileKind::amc;
   if (ending == "asf") return FileKind::asf;
   if (ending == "json") return FileKind::mechanism_json;
+  if (ending == "urdf" || ending == "sdf" || ending == "xml") return FileKind::robot;
   return std::nullopt;
 }
 
@@ -147,7 +159,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
   const std::string place(file_name);
   if (!kind)
     return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
-                "Give a .bvh, .amc (with its .asf) or mechanism .json file.");
+                "Give a .bvh, .amc (with its .asf), mechanism .json, .urdf, .sdf or MJCF .xml file.");
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {
@@ -169,7 +181,8 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     }
     case FileKind::asf:
       return fail(ErrorCode::structure, place, "An ASF file holds a skeleton without motion.", "Import an AMC file that belongs to it.");
-    case FileKind::mechanism_json: return from_mechanism(bytes, file_name, options);
+    case FileKind::mechanism_json: return from_mechanism(formats::read_mechanism(bytes, file_name), file_name, options);
+    case FileKind::robot: return from_robot(bytes, file_name, options);
   }
   return fail(ErrorCode::unsupported, place, "This kind of file cannot be imported.", "Give a .bvh or .amc file.");
 }

@@ -11,6 +11,7 @@
 #include "ugoki/formats/asf.h"
 #include "ugoki/motion/motion.h"
 #include "ugoki/motion/skeleton.h"
+#include "ugoki/robot_formats/robot_model.h"
 #include "ugoki/store/library.h"
 
 namespace ugoki::intake {
@@ -18,27 +19,29 @@ namespace ugoki::intake {
 struct IntakeOptions {
   std::string name;  ///< of the entries; empty: the file's name without ending
   std::vector<std::string> tags;
-  double height = 0;  ///< m, of the person; 0: estimated
-  double mass = 0;    ///< kg, of the person; 0: estimated
-  double unit = 0;    ///< m per unit of length of the file; 0: guessed (BVH) or as the format says (ASF)
-  double rate = 120;  ///< frames a second of AMC files, which do not tell
+  double height = 0;                  ///< m, of the person; 0: estimated
+  double mass = 0;                    ///< kg, of the person; 0: estimated
+  double unit = 0;                    ///< m per unit of length of the file; 0: guessed (BVH) or as the format says (ASF)
+  double rate = 120;                  ///< frames a second of AMC files, which do not tell
+  robot_formats::RobotOptions robot;  ///< URDF, SDF, MJCF
 };
 
 /// A file, taken in but not yet stored.
 struct Intake {
-  std::string source;                      ///< the file's name
-  std::optional<MeasuredMotion> measured;  ///< BVH, AMC
-  std::optional<body::Body> body;          ///< BVH, AMC
-  std::optional<Motion> motion;            ///< BVH, AMC
-  MechanismPtr mechanism;                  ///< the body's, or the file's
-  double metres_per_unit = 0;              ///< unit of length that was used; 0: the file has none
-  std::vector<std::string> report;         ///< sentences for people
-  std::vector<store::LibraryItem> items;   ///< what goes into the library: mechanism first, then measured, motion
+  std::string source;                              ///< the file's name
+  std::optional<MeasuredMotion> measured;          ///< BVH, AMC
+  std::optional<body::Body> body;                  ///< BVH, AMC
+  std::optional<Motion> motion;                    ///< BVH, AMC
+  std::optional<robot_formats::RobotModel> robot;  ///< URDF, SDF, MJCF
+  MechanismPtr mechanism;                          ///< the body's, or the file's
+  double metres_per_unit = 0;                      ///< unit of length that was used; 0: the file has none
+  std::vector<std::string> report;                 ///< sentences for people
+  std::vector<store::LibraryItem> items;           ///< what goes into the library: mechanism first, then measured, motion
   /// Id that the items will have. Empty if there is no item of this kind.
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;
 };
 
-enum class FileKind { bvh, amc, asf, mechanism_json };
+enum class FileKind { bvh, amc, asf, mechanism_json, robot };
 /// By the ending of the name, in any case.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 
