@@ -54,6 +54,7 @@ struct BatchWorkspace<Real>::Access {
          .scratch = b.scratch_.data()->bytes,
          .row_start = nullptr,
          .depth = nullptr,
+         .force_freedom = nullptr,
          .stride = lanes};
     const auto block_count = static_cast<std::size_t>(b.blocks_);
     const std::size_t block_v = block_count * static_cast<std::size_t>(p.nv) * lanes;

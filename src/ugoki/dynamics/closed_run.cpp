@@ -117,6 +117,7 @@ class ClosedRun {
             .scratch = k_.scratch.data()->bytes,
             .row_start = nullptr,
             .depth = nullptr,
+            .force_freedom = nullptr,
             .stride = 1};
   }
   ClosedArguments closed_arguments() {

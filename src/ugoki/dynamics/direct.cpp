@@ -29,6 +29,7 @@ KernelArguments<double> arguments(const Mechanism& m, Workspace& ws, std::span<c
           .scratch = ws.scratch.data()->bytes,
           .row_start = ws.row_start.data(),
           .depth = ws.depth.data(),
+          .force_freedom = program.force_freedom.data(),
           .stride = 1};
 }
 

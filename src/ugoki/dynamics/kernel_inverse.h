@@ -4,7 +4,8 @@
 // The acceleration of a node is that of the material point at its origin, (w' , a), not the spatial one: then velocities need
 // their angular part only. With r the node's origin in the parent's frame and E the node's axes in the parent's:
 //   w = E^T w_P + z v        w' = E^T w'_P + (E^T w_P) x z v + z vdot        a = E^T (a_P + w'_P x r + w_P x (w_P x r))
-//   f = m a + w' x h + w x (w x h)        n = I w' + w x I w + h x a
+//   K = w' x + w x w x        f = m a + K h        n = vee(K Sigma - (K Sigma)^T) + h x a
+// with the second moments of mass Sigma = tr(I)/2 1 - I, so that n = I w' + w x I w + h x a.
 // Sources: Luh, Walker, Paul (1980); Featherstone (2008), ch. 5. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
@@ -28,7 +29,7 @@ class InverseKernel {
     pass_.take_wrenches();
     const T none(0);
     const V3<T> zero{none, none, none};
-    motion_[0] = {{none, none, none, none, none, none, none, none, none}, -vector_of<T>(a_.gravity), zero};
+    motion_[0] = {{none, none, none, none, none, none, none, none, none}, -vector_of<T>(a_.gravity), zero, zero};
     for (int i = 0; i < a_.nodes; ++i) {
       switch (a_.order[i].crossing) {
         case Crossing::none: outward_revolute<Crossing::none>(i); break;
@@ -51,7 +52,7 @@ class InverseKernel {
   /// K r = w' x r + w x (w x r); a: acceleration of the origin.
   struct Motion {
     Mat3T<T> K;
-    V3<T> a, w;
+    V3<T> a, w, wd;
   };
   struct Force {
     V3<T> n, f;
@@ -61,12 +62,6 @@ class InverseKernel {
   UGOKI_INLINE T vdot(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
   UGOKI_INLINE void give(int k, T tau) const { tau.store(a_.out + k * a_.stride); }
 
-  /// The angular acceleration that K holds.
-  UGOKI_INLINE static V3<T> angular(const Mat3T<T>& K) {
-    const T half(Real(0.5));
-    return {half * (K.zy - K.yz), half * (K.xz - K.zx), half * (K.yx - K.xy)};
-  }
-
   UGOKI_INLINE void finish(int i, const V3<T>& w, const V3<T>& wd, const V3<T>& a) {
     const NodeConstants<Real>& c = a_.constants[i];
     const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z, xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
@@ -74,15 +69,20 @@ class InverseKernel {
     m.K = {-(yy + zz), xy - wd.z, xz + wd.y, xy + wd.z, -(xx + zz), yz - wd.x, xz - wd.y, yz + wd.x, -(xx + yy)};
     m.a = a;
     m.w = w;
+    m.wd = wd;
     Force& g = force_[i];
     if (a_.order[i].massless) {
       const T none(0);
       g = {{none, none, none}, {none, none, none}};
     } else {
       const V3<T> h = vector_of<T>(c.h);
-      const Sym3T<T> I = symmetric_of<T>(c.I);
-      g.f = a * T(c.mass) + m.K * h;
-      g.n = I * wd + cross(w, I * w) + cross(h, a);
+      const Mat3T<T>& K = m.K;
+      const Sym3T<T> S = symmetric_of<T>(c.second);
+      g.f = a * T(c.mass) + K * h;
+      g.n = V3<T>{(K.zx * S.xy + K.zy * S.yy + K.zz * S.yz) - (K.yx * S.xz + K.yy * S.yz + K.yz * S.zz),
+                  (K.xx * S.xz + K.xy * S.yz + K.xz * S.zz) - (K.zx * S.xx + K.zy * S.xy + K.zz * S.xz),
+                  (K.yx * S.xx + K.yy * S.xy + K.yz * S.xz) - (K.xx * S.xy + K.xy * S.yy + K.xz * S.yz)} +
+            cross(h, a);
     }
     if (pass_.wrench != nullptr) {
       g.n -= pass_.wrench[i].w;
@@ -96,7 +96,7 @@ class InverseKernel {
     const NodeConstants<Real>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const Motion& p = motion_[o.parent + 1];
-    const V3<T> w = X.down(p.w), wd = X.down(angular(p.K)), a = X.down(p.a + p.K * vector_of<T>(c.p));
+    const V3<T> w = X.down(p.w), wd = X.down(p.wd), a = X.down(p.a + p.K * vector_of<T>(c.p));
     const T rate = v(o.v) * T(c.sign);
     finish(i, {w.x, w.y, w.z + rate}, {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + vdot(o.v) * T(c.sign)}, a);
   }
@@ -105,7 +105,7 @@ class InverseKernel {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Real>& c = a_.constants[i];
     const Motion& p = motion_[o.parent + 1];
-    V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, angular(p.K)), a = pass_.down(i, p.a + p.K * pass_.origin(i));
+    V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, p.wd), a = pass_.down(i, p.a + p.K * pass_.origin(i));
     const T sign(c.sign), two(2);
     if (o.kind == NodeKind::revolute || o.kind == NodeKind::helical) {
       const T rate = v(o.v) * sign;

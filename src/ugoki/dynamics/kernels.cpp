@@ -1,7 +1,5 @@
 #include "ugoki/dynamics/kernels.h"
 
-#include <atomic>
-
 namespace ugoki::dynamics {
 namespace {
 
@@ -13,7 +11,8 @@ const Kernels* table_of(SimdWidth width) {
   return width == SimdWidth::plain ? &plain::table : nullptr;
 }
 
-std::atomic<const Kernels*> chosen = nullptr;
+// What a test chose; written only by use_simd(), while nothing else runs.
+const Kernels* chosen = nullptr;
 
 }  // namespace
 
@@ -24,24 +23,20 @@ SimdWidth widest_simd() {
 }
 
 const Kernels& kernels() {
-  const Kernels* table = chosen.load(std::memory_order_relaxed);
-  if (table == nullptr) {
-    table = table_of(widest_simd());
-    chosen.store(table, std::memory_order_relaxed);
-  }
-  return *table;
+  static const Kernels* const widest = table_of(widest_simd());
+  return chosen != nullptr ? *chosen : *widest;
 }
 
 bool use_simd(SimdWidth width) {
   const Kernels* const table = table_of(width);
-  if (table != nullptr) chosen.store(table, std::memory_order_relaxed);
+  if (table != nullptr) chosen = table;
   return table != nullptr;
 }
 
 std::size_t scratch_size(const LinkProgram& program, std::size_t bytes, int instances) {
   // numbers a node, a freedom and a slot take in the most demanding kernel, and the pieces' boundaries of 64 bytes
   const auto lanes = static_cast<std::size_t>(instances), nodes = static_cast<std::size_t>(program.nodes()) + 1;
-  const std::size_t numbers = nodes * (9 + 12 + 6 + 15 + 6) + static_cast<std::size_t>(program.nv) * 10 +
+  const std::size_t numbers = nodes * (9 + 12 + 6 + 18 + 6) + static_cast<std::size_t>(program.nv) * 10 +
                               static_cast<std::size_t>(program.slots) * 27 + static_cast<std::size_t>(program.angles() + 8) * 2;
   return numbers * bytes * lanes + 16 * 64;
 }

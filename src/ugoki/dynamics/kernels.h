@@ -34,6 +34,7 @@ struct KernelArguments {
   std::byte* scratch;    ///< scratch_size(), on a boundary of 64 bytes
   const int* row_start;  ///< inertia matrix only
   const int* depth;
+  const int* force_freedom;
   std::ptrdiff_t stride;
 };
 
@@ -64,7 +65,8 @@ struct Kernels {
 [[nodiscard]] SimdWidth widest_simd();
 /// The kernels in use: those of widest_simd(), unless a test chose others.
 [[nodiscard]] const Kernels& kernels();
-/// For tests and measurements: makes kernels() use `width`. @return false where the processor or the build lacks it
+/// For tests and measurements, before other threads run: makes kernels() use `width`. @return false where the processor or the build lacks
+/// it
 bool use_simd(SimdWidth width);
 
 namespace plain {

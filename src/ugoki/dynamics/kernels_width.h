@@ -19,7 +19,7 @@ void inverse(const KernelArguments<typename T::Real>& a) {
   InverseKernel<T>(a).run();
 }
 bool forward_one(const KernelArguments<double>& a) { return !ForwardKernel<One>(a).run()[0]; }
-void inertia_one(const KernelArguments<double>& a) { InertiaKernel<One>(a).run(); }
+void inertia_one(const KernelArguments<double>& a) { InertiaKernel(a).run(); }
 
 template <class T>
 unsigned forward_batch(const KernelArguments<typename T::Real>& a) {

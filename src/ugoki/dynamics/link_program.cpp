@@ -158,6 +158,8 @@ NodeConstants<double> constants_of(const Draft& d) {
   std::ranges::copy(h, c.h);
   std::ranges::copy(rotation, c.R);
   std::ranges::copy(I, c.I);
+  const double half_trace = 0.5 * (I[0] + I[1] + I[2]);
+  for (int k = 0; k < 6; ++k) c.second[k] = (k < 3 ? half_trace : 0.0) - I[k];
   std::ranges::copy(d.armature, c.armature);
   c.sign = d.sign;
   c.mass = inertia.mass;
@@ -203,10 +205,20 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
     order.push_back(node);
     constants.push_back(constants_of(d));
   }
+  std::vector<int> least_below(order.size(), nv);  // of the freedoms below each node
   for (std::size_t i = order.size(); i-- > 0;) {
     if (children[i] > 1) {
       order[i].slot = slots++;
       order[static_cast<std::size_t>(last[i])].last_child = true;
+    }
+    order[i].force_begin = last[i] < 0 ? static_cast<int>(force_freedom.size()) : order[static_cast<std::size_t>(last[i])].force_begin;
+    const int freedoms = order[i].kind == NodeKind::floating ? 6 : order[i].kind == NodeKind::spherical ? 3 : 1;
+    for (int k = freedoms; k-- > 0;) force_freedom.push_back(order[i].v + k);
+    order[i].force_end = static_cast<int>(force_freedom.size());
+    order[i].ordered = least_below[i] >= order[i].v;
+    if (order[i].parent >= 0) {
+      int& least = least_below[static_cast<std::size_t>(order[i].parent)];
+      least = std::min({least, least_below[i], order[i].v});
     }
     order[i].end = last[i] < 0 ? static_cast<int>(i) + 1 : order[static_cast<std::size_t>(last[i])].end;
   }
@@ -220,6 +232,7 @@ std::vector<NodeConstants<float>> in_single_precision(std::span<const NodeConsta
     convert(out[i].p, c.p);
     convert(out[i].h, c.h);
     convert(out[i].I, c.I);
+    convert(out[i].second, c.second);
     convert(out[i].armature, c.armature);
     convert(out[i].R, c.R);
     out[i].sign = static_cast<float>(c.sign);

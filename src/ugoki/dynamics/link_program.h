@@ -34,6 +34,9 @@ struct NodeOrder {
   int q = 0, v = 0;          ///< first coordinate and freedom
   int angle = -1;            ///< place of its angle among those of all revolute and helical nodes
   int end = 0;               ///< its subtree is [node, end)
+  int force_begin = 0;       ///< the freedoms of its subtree are [force_begin, force_end) in force_freedom, its own the last,
+  int force_end = 0;         ///< the first of them at the end
+  bool ordered = true;       ///< no freedom of its subtree comes before one of its own in v
 };
 
 /// Constants of a node; Real: double or float.
@@ -43,6 +46,7 @@ struct NodeConstants {
   Real sign;         ///< +1; -1: the joint turns about, or slides along, -z
   Real mass, h[3];   ///< kg, kg m: in the node's frame
   Real I[6];         ///< kg m^2 about the node's origin: xx yy zz xy xz yz
+  Real second[6];    ///< kg m^2: second moments of mass, tr(I)/2 1 - I, in the order of I
   Real armature[6];  ///< of its freedoms
   Real R[9];         ///< rotation of the node's frame at q = 0 in the parent's, row by row
   Real pitch;        ///< m/rad (helical)
@@ -61,6 +65,7 @@ struct LinkProgram {
   std::vector<LinkPlace> links;                  ///< [links]
   std::vector<int> angle_q;                      ///< [angles] the coordinate of each angle
   std::vector<double> angle_sign;                ///< [angles]
+  std::vector<int> force_freedom;                ///< [nv] freedoms from the last node's to the first's
   int slots = 0;
   int nq = 0, nv = 0;
 
