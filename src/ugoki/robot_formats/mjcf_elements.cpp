@@ -19,6 +19,7 @@ void read_joint_range(const MjcfSource& source, const MjcfAttributes& a, MjcfJoi
   const double lower = turns ? source.compiler().radians(range[0]) : range[0];
   const double upper = turns ? source.compiler().radians(range[1]) : range[1];
   if (joint.type == MjcfJointType::ball) {
+    if (lower != 0) a.own().problem(ErrorCode::range, "its range does not begin with 0.", "Give 0 and the greatest turn.");
     joint.freedom.lower = -upper;
     joint.freedom.upper = upper;
     a.own().note("A ball joint's greatest turn holds for each component of the rotation vector, not for its length.");

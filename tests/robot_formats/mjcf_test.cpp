@@ -1,0 +1,451 @@
+// The MJCF reader by hand: closed forms, names, defaults, files beside the model, drives, loops, positions, notes.
+
+#include "ugoki/robot_formats/mjcf.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "ugoki/mechanism/state.h"
+#include "ugoki/robot_formats/mjcf_mesh.h"
+
+namespace ugoki::robot_formats {
+namespace {
+
+RobotModel read(const std::string& body, const RobotOptions& options = {}) {
+  auto m = read_mjcf("<mujoco model='m'>" + body + "</mujoco>", "m.xml", options);
+  EXPECT_TRUE(m.has_value()) << (m ? std::string() : m.error().text());
+  return m ? std::move(*m) : RobotModel{};
+}
+
+/// A body on a hinge about y, with whatever it is to have.
+std::string swing(const std::string& content, const std::string& name = "arm") {
+  return "<body name='" + name + "'><joint name='hinge_" + name + "' axis='0 1 0'/>" + content + "</body>";
+}
+std::string world(const std::string& content) { return "<worldbody>" + content + "</worldbody>"; }
+
+const Link& link(const RobotModel& m, const std::string& name) {
+  const int i = m.mechanism->find_link(name);
+  EXPECT_GE(i, 0) << "no link " << name;
+  return m.mechanism->link(std::max(i, 0));
+}
+
+bool has_note(const RobotModel& m, const std::string& part) {
+  return std::ranges::any_of(m.notes, [&](const std::string& n) { return n.find(part) != std::string::npos; });
+}
+
+/// Files that stand beside the model.
+RobotOptions beside(const std::map<std::string, std::string>& files) {
+  RobotOptions options;
+  options.read_asset = [files](const std::string& path) -> Result<std::string> {
+    const auto it = files.find(path);
+    if (it == files.end()) return fail(ErrorCode::io, path, "the file does not exist.", "Put it there.");
+    return it->second;
+  };
+  return options;
+}
+
+void expect_moments(const Sym3& I, double xx, double yy, double zz) {
+  EXPECT_NEAR(I.xx, xx, 1e-12 * (1 + xx));
+  EXPECT_NEAR(I.yy, yy, 1e-12 * (1 + yy));
+  EXPECT_NEAR(I.zz, zz, 1e-12 * (1 + zz));
+  EXPECT_NEAR(std::fabs(I.xy) + std::fabs(I.xz) + std::fabs(I.yz), 0, 1e-12);
+}
+
+TEST(Mjcf, InertiaOfGeoms) {
+  const double r = 0.2, h = 0.3, rho = 500;
+  const RobotModel m =
+      read(world(swing("<geom type='cylinder' size='0.2 0.3' density='500'/>", "cylinder") +
+                 swing("<geom type='ellipsoid' size='0.1 0.2 0.3' mass='2'/>", "ellipsoid") +
+                 swing("<geom type='sphere' size='0.2' mass='3' pos='1 0 0'/>", "sphere") +
+                 swing("<geom type='capsule' size='0.1' fromto='0 0 0 2 0 0' density='500'/>", "capsule") +
+                 swing("<geom type='box' size='0.1 0.2 0.3' mass='6'/><geom type='sphere' size='1' density='0'/>", "box")));
+  const Inertia c = link(m, "cylinder").inertia;
+  EXPECT_NEAR(c.mass, rho * pi * r * r * 2 * h, 1e-12);
+  expect_moments(c.I, c.mass * (3 * r * r + 4 * h * h) / 12, c.mass * (3 * r * r + 4 * h * h) / 12, c.mass * r * r / 2);
+  expect_moments(link(m, "ellipsoid").inertia.I, 0.4 * (0.04 + 0.09), 0.4 * (0.01 + 0.09), 0.4 * (0.01 + 0.04));
+  expect_moments(link(m, "sphere").inertia.I, 0.4 * 3 * r * r, 0.4 * 3 * r * r + 3, 0.4 * 3 * r * r + 3);
+  EXPECT_NEAR(link(m, "capsule").inertia.mass, 500 * (pi * 0.01 * 2 + 4.0 / 3.0 * pi * 0.001), 1e-12);
+  EXPECT_NEAR(link(m, "capsule").inertia.centre().x, 1, 1e-14);
+  expect_moments(link(m, "box").inertia.I, 2 * (0.04 + 0.09), 2 * (0.01 + 0.09), 2 * (0.01 + 0.04));
+  EXPECT_TRUE(has_note(m, "A cylinder is taken as")) << "as a shape it is another";
+}
+
+TEST(Mjcf, SeveralJointsBecomeAChain) {
+  const RobotModel m = read(world(
+      "<body name='leg' pos='0 0 1'><joint name='swing' axis='0 1 0' pos='0 0 0.1'/><joint type='slide' axis='1 0 0' range='-0.1 0.2'/>"
+      "<joint name='twist' axis='0 0 1' pos='0 0 -0.2'/><geom size='0.1' pos='0.3 0 0'/><body name='foot' pos='0 0 -1'><geom "
+      "size='0.1'/></body></body>"));
+  const Mechanism& k = *m.mechanism;
+  ASSERT_EQ(k.link_count(), 4);
+  EXPECT_EQ(k.link(0).name, "leg:swing");
+  EXPECT_EQ(k.link(1).name, "leg:2");
+  EXPECT_EQ(k.link(2).name, "leg");
+  EXPECT_EQ(k.link(1).parent, 0);
+  EXPECT_EQ(k.link(0).inertia.mass, 0);
+  EXPECT_EQ(k.link(1).joint.type, JointType::prismatic);
+  EXPECT_EQ(k.link(1).joint.freedoms[0].lower, -0.1);
+  EXPECT_EQ(k.link(3).joint.type, JointType::fixed);
+  ASSERT_EQ(m.joints.size(), 2U);
+  EXPECT_EQ(m.joints[0].link, "leg:swing");
+  EXPECT_EQ(m.joints[1].link, "leg");
+  // the body's frame at rest, and after a quarter turn of the first joint about (0, 0, 1.1)
+  std::vector<Pose> X(4);
+  std::vector<double> q = k.neutral();
+  calc_poses(k, q, X);
+  EXPECT_NEAR(norm((X[2] * m.X_BF[2]).p - Vec3{0, 0, 1}), 0, 1e-15);
+  EXPECT_NEAR(norm((X[3] * m.X_BF[3]).p - Vec3{0, 0, 0}), 0, 1e-15);
+  q = {pi / 2, 0.2, 0};
+  calc_poses(k, q, X);  // x points down, z along x; the slide moves down
+  EXPECT_NEAR(norm((X[2] * m.X_BF[2]).p - Vec3{-0.1, 0, 0.9}), 0, 1e-15);
+  EXPECT_NEAR(norm((X[2] * m.X_BF[2]) * Vec3{0.3, 0, 0} - Vec3{-0.1, 0, 0.6}), 0, 1e-15);
+}
+
+TEST(Mjcf, CoordinatesAreZeroAtThePositionOfTheFile) {
+  const RobotModel m =
+      read("<compiler angle='degree'/>" +
+           world("<body name='base' pos='1 2 3' euler='0 0 90'><freejoint/><geom size='0.1'/><body name='arm'><joint name='j' ref='30' "
+                 "range='0 90' "
+                 "springref='45' stiffness='1'/><geom size='0.1'/><body name='hand'><joint name='b' type='ball' range='0 60'/><geom "
+                 "size='0.1'/></body></body></body>") +
+           "<keyframe><key name='home' qpos='1 2 4 0.5 0.5 0.5 0.5 60 0 0 0 1'/><key qpos='1 2 3 1 0 0 1 0 1 0 0 0'/></keyframe>");
+  const Freedom& f = link(m, "arm").joint.freedoms[0];
+  EXPECT_NEAR(f.lower, -pi / 6, 1e-15);
+  EXPECT_NEAR(f.upper, pi / 3, 1e-15);
+  EXPECT_NEAR(f.rest, pi / 12, 1e-15);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(link(m, "hand").joint.freedoms[static_cast<std::size_t>(i)].upper, pi / 3, 1e-15);
+  EXPECT_EQ(link(m, "base").joint.X_PJ.p, (Vec3{1, 2, 3}));
+  ASSERT_EQ(m.positions.size(), 2U);
+  EXPECT_EQ(m.positions[0].name, "home");
+  EXPECT_EQ(m.positions[1].name, "key_2");
+  const std::vector<double>& q = m.positions[0].q;
+  ASSERT_EQ(q.size(), 12U);
+  const Pose X = link(m, "base").joint.X_PJ * joint_pose(link(m, "base").joint, q.data());
+  EXPECT_NEAR(norm(X.p - Vec3{1, 2, 4}), 0, 1e-14);
+  EXPECT_NEAR(norm(X.R * Vec3{1, 0, 0} - Vec3{0, 1, 0}), 0, 1e-14) << "a third of a turn about (1, 1, 1)";
+  EXPECT_NEAR(q[7], 60 - pi / 6, 1e-14) << "keyframes are in radians, whatever the file's angles are";
+  EXPECT_NEAR(q[11], 1, 1e-15);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(m.positions[1].q[i], 0, 1e-14);
+  EXPECT_NEAR(m.positions[1].q[3], 1, 1e-14) << "the base stands as in the file";
+}
+
+TEST(Mjcf, DefaultsInheritAndClassesReplaceEachOther) {
+  const RobotModel m = read(
+      "<default><joint damping='1' armature='2'/><geom size='0.1 0.2 0.3'/><default class='a'><joint damping='3'/><default "
+      "class='b'><joint "
+      "frictionloss='4'/><geom type='box' size='0.5'/></default></default><default class='c'><joint armature='5'/></default></default>"
+      "<default><joint stiffness='6'/></default>" +
+      world("<body name='one' childclass='b'><joint/><geom/><body name='two'><joint class='c'/><geom class='main' type='capsule'/></body>"
+            "<frame childclass='a'><body name='three'><joint/><geom/></body></frame></body>"));
+  const Freedom one = link(m, "one").joint.freedoms[0], two = link(m, "two").joint.freedoms[0], three = link(m, "three").joint.freedoms[0];
+  EXPECT_EQ(one.damping, 3);
+  EXPECT_EQ(one.friction, 4);
+  EXPECT_EQ(one.armature, 2);
+  EXPECT_EQ(one.stiffness, 6) << "a second <default> adds to the first";
+  EXPECT_EQ(two.damping, 1);
+  EXPECT_EQ(two.armature, 5);
+  EXPECT_EQ(two.friction, 0) << "class='c' stands for the childclass, not over it";
+  EXPECT_EQ(three.damping, 3);
+  EXPECT_EQ(three.friction, 0);
+  EXPECT_EQ(link(m, "one").shapes[0].half_extents, (Vec3{0.5, 0.2, 0.3})) << "a shorter size keeps the rest of the inherited one";
+  EXPECT_EQ(link(m, "two").shapes[0].half_length, 0.2);
+}
+
+TEST(Mjcf, Orientations) {
+  const auto turned = [](const std::string& compiler, const std::string& attribute) {
+    const RobotModel m = read(compiler + world("<body name='b' " + attribute + "><joint/><geom size='0.1'/></body>"));
+    return link(m, "b").joint.X_PJ.R;
+  };
+  const auto expect = [](const Mat3& R, const Vec3& x, const Vec3& z) {
+    EXPECT_NEAR(norm(R.column(0) - x), 0, 1e-15);
+    EXPECT_NEAR(norm(R.column(2) - z), 0, 1e-15);
+  };
+  expect(turned("", "quat='2 0 0 2'"), {0, 1, 0}, {0, 0, 1});
+  expect(turned("", "axisangle='0 0 5 90'"), {0, 1, 0}, {0, 0, 1});
+  expect(turned("<compiler angle='radian'/>", "axisangle='0 0 5 1.5707963267948966'"), {0, 1, 0}, {0, 0, 1});
+  expect(turned("", "xyaxes='0 2 0 -1 3 0'"), {0, 1, 0}, {0, 0, 1});
+  expect(turned("", "zaxis='0 0 -3'"), {1, 0, 0}, {0, 0, -1});
+  expect(turned("", "zaxis='2 0 0'"), {0, 0, -1}, {1, 0, 0});
+  expect(turned("", "euler='90 90 0'"), {0, 1, 0}, {1, 0, 0} /* x, then the turned y */);
+  expect(turned("<compiler eulerseq='XYZ'/>", "euler='90 90 0'"), {0, 0, -1}, {0, -1, 0} /* x, then the old y */);
+  // as in MuJoCo, a class's euler wins over an element's quat
+  const RobotModel m = read("<default><geom type='box' euler='0 0 90'/></default>" + world(swing("<geom size='1 2 3' quat='1 0 0 0'/>")));
+  EXPECT_NEAR(link(m, "arm").inertia.I.xx, 8000 * 6 * (1 + 9) / 3.0, 1e-6);
+}
+
+TEST(Mjcf, FramesAndCopies) {
+  const RobotModel m = read(
+      world("<frame pos='1 0 0' euler='0 0 90'><frame pos='1 0 0'><body name='a' pos='1 0 0'><joint axis='1 0 0'/><geom "
+            "size='0.1'/></body></frame></frame>"
+            "<replicate count='12' offset='1 0 0' sep='_' euler='0 0 90'><body name='r' pos='0 0 1'><freejoint name='f'/><geom size='0.1'/>"
+            "<replicate count='2' offset='0 0 1'><site name='s'/></replicate></body></replicate>"));
+  EXPECT_NEAR(norm(link(m, "a").joint.X_PJ.p - Vec3{1, 2, 0}), 0, 1e-15);
+  EXPECT_EQ(m.mechanism->link_count(), 13);
+  EXPECT_NEAR(norm(link(m, "r_00").joint.X_PJ.p - Vec3{0, 0, 1}), 0, 1e-15);
+  EXPECT_NEAR(norm(link(m, "r_02").joint.X_PJ.p - Vec3{1, 1, 1}), 0, 1e-15) << "each step along the turned axes";
+  EXPECT_NEAR(norm(link(m, "r_11").joint.X_PJ.R * Vec3{1, 0, 0} - Vec3{0, -1, 0}), 0, 1e-14);
+  EXPECT_EQ(m.joints[0].joint, "f_00");
+}
+
+TEST(Mjcf, WhatNamesACopyIsCopied) {
+  const RobotModel m =
+      read(world("<site name='ceiling'/><replicate count='3' offset='1 0 0'><body name='b'><joint name='j' axis='0 1 0'/><joint "
+                 "name='k' axis='1 0 0'/><geom size='0.1' pos='0 0 1'/><site name='tip'/></body></replicate>") +
+           "<equality><connect name='c' site1='ceiling' site2='tip'/><joint joint1='j' joint2='k'/></equality>"
+           "<actuator><motor joint='j' ctrlrange='-2 2'/></actuator>");
+  ASSERT_EQ(m.mechanism->loops().size(), 6U);
+  EXPECT_EQ(m.mechanism->loops()[2].name, "c2");
+  EXPECT_EQ(m.mechanism->loops()[2].link_b, m.mechanism->find_link("b2"));
+  EXPECT_EQ(m.mechanism->loops()[3].type, LoopType::gear);
+  EXPECT_EQ(m.driven.size(), 3U);
+  EXPECT_EQ(link(m, "b1:j1").joint.freedoms[0].effort, 2);
+}
+
+TEST(Mjcf, IncludesStandWhereTheyAreNamed) {
+  const std::string text =
+      "<mujoco><include file='defaults.xml'/><worldbody><body name='b'><include file='sub/inside.xml'/></body></worldbody></mujoco>";
+  const auto m = read_mjcf(text, "robots/m.xml",
+                           beside({{"robots/defaults.xml", "<mujoco><default><joint damping='7'/></default></mujoco>"},
+                                   {"robots/sub/inside.xml", "<anything><joint/><include file='geom.xml'/></anything>"},
+                                   {"robots/geom.xml", "<mujocoinclude><geom size='0.1'/></mujocoinclude>"}}));
+  ASSERT_TRUE(m.has_value()) << m.error().text();
+  EXPECT_EQ(m->mechanism->link(0).joint.freedoms[0].damping, 7);
+  EXPECT_GT(m->mechanism->mass(), 0);
+  EXPECT_EQ(m->mechanism->name(), "m");
+}
+
+TEST(Mjcf, AttachedModelsKeepTheirOwnSettings) {
+  const std::string hand =
+      "<mujoco model='hand'><compiler angle='radian'/><default><joint range='0 1' damping='2'/></default><worldbody><body name='palm' "
+      "pos='0 0 1'>"
+      "<joint name='wrist' axis='1 0 0'/><geom size='0.1'/><body name='finger'><joint name='knuckle' axis='0 1 0'/><geom size='0.1' pos='0 "
+      "0 1'/></body></body>"
+      "<body name='other'><joint name='spare'/><geom size='0.1'/></body></worldbody>"
+      "<equality><joint name='grip' joint1='knuckle' joint2='wrist'/><joint joint1='spare' joint2='wrist'/></equality>"
+      "<actuator><motor joint='knuckle' gear='3' ctrlrange='-1 1'/></actuator></mujoco>";
+  const RobotModel m = read("<asset><model file='hand.xml'/></asset><default><joint damping='9'/></default>" +
+                                world(swing("<geom size='0.1'/><frame pos='1 0 0'><attach model='hand' body='palm' prefix='left_'/></frame>"
+                                            "<attach model='hand' prefix='right_'/>")),
+                            beside({{"hand.xml", hand}}));
+  EXPECT_EQ(m.mechanism->link_count(), 6);
+  EXPECT_EQ(link(m, "left_palm").joint.freedoms[0].damping, 2);
+  EXPECT_EQ(link(m, "left_palm").joint.freedoms[0].upper, 1) << "radians there, degrees here";
+  EXPECT_EQ(link(m, "arm").joint.freedoms[0].damping, 9);
+  EXPECT_NEAR(norm(link(m, "left_palm").joint.X_PJ.p - Vec3{1, 0, 1}), 0, 1e-15);
+  EXPECT_EQ(link(m, "left_finger").joint.freedoms[0].effort, 3);
+  ASSERT_EQ(m.mechanism->loops().size(), 3U) << "the spare joint did not come with the left hand";
+  EXPECT_EQ(m.mechanism->loops()[0].name, "left_grip");
+  EXPECT_TRUE(has_note(m, "of an attached model is left out"));
+}
+
+TEST(Mjcf, EffortsOfDrives) {
+  const auto effort = [](const std::string& actuators, const std::string& joint = "", const std::string& defaults = "") {
+    const RobotModel m = read(defaults + world("<body name='b'><joint name='j' " + joint + "/><geom size='0.1'/></body>") + "<actuator>" +
+                              actuators + "</actuator>");
+    return link(m, "b").joint.freedoms[0].effort;
+  };
+  const double none = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(effort(""), none);
+  EXPECT_EQ(effort("<motor joint='j' gear='-5' ctrlrange='-2 1'/>"), 10);
+  EXPECT_EQ(effort("<motor joint='j' gear='5'/>"), none);
+  EXPECT_EQ(effort("<motor joint='j' gear='5' ctrlrange='-1 1' ctrllimited='false'/>"), none);
+  EXPECT_EQ(effort("<position joint='j' kp='100' ctrlrange='-1 1'/>"), none) << "a position is no force";
+  EXPECT_EQ(effort("<position joint='j' gear='2' ctrlrange='-1 1' forcerange='-7 7'/>"), 14);
+  EXPECT_EQ(effort("<general joint='j' gainprm='4' ctrlrange='-1 2'/>"), 8);
+  EXPECT_EQ(effort("<general joint='j' gainprm='4' biastype='affine' biasprm='0 -4' ctrlrange='-1 2'/>"), none);
+  EXPECT_EQ(effort("<motor joint='j' ctrlrange='-1 1'/><motor joint='j' gear='2' ctrlrange='-1 1'/>"), 3) << "together";
+  EXPECT_EQ(effort("<motor joint='j' ctrlrange='-9 9'/>", "actuatorfrcrange='-5 4'"), 5);
+  EXPECT_EQ(effort("<motor joint='j' class='weak'/>", "",
+                   "<default><motor gear='3'/><default class='weak'><general ctrlrange='-1 1'/></default></default>"),
+            3)
+      << "all kinds of drives share their defaults";
+  EXPECT_EQ(effort("<motor joint='j' ctrlrange='-1 1'/>", "", "<compiler autolimits='false'/>"), none);
+}
+
+TEST(Mjcf, Loops) {
+  const RobotModel m =
+      read("<default><equality active='false'/></default>" +
+           world("<body name='a' pos='1 0 0'><joint name='ja' axis='0 1 0' ref='10'/><geom size='0.1' pos='0 0 1'/></body><body name='b' "
+                 "pos='0 0 2'><joint name='jb' "
+                 "axis='0 1 0'/><geom size='0.1' pos='0 0 1'/></body><body name='c'><joint name='jc' axis='0 1 0'/><geom size='0.1' pos='0 "
+                 "0 1'/></body>") +
+           "<tendon><fixed name='t'><joint joint='ja' coef='2'/><joint joint='jb' coef='-6'/></fixed><fixed name='t3'><joint joint='ja' "
+           "coef='2'/><joint "
+           "joint='jb' coef='-6'/><joint joint='jc' coef='1'/></fixed></tendon>"
+           "<equality><connect name='pin' body1='a' body2='b' anchor='0 0 1' active='true'/><connect body1='a' anchor='0 0 1'/>"
+           "<weld name='soft' body1='a' body2='b' torquescale='0' active='true'/><joint name='gear' joint1='ja' joint2='jb' polycoef='1 2 "
+           "3' active='true'/>"
+           "<joint joint1='jc' polycoef='0.25' active='true'/><tendon tendon1='t' polycoef='4' active='true'/><tendon "
+           "tendon1='t3'/></equality>");
+  const auto loops = m.mechanism->loops();
+  ASSERT_EQ(loops.size(), 5U);
+  EXPECT_EQ(loops[0].type, LoopType::ball);
+  EXPECT_EQ(loops[0].X_AJ.p, (Vec3{0, 0, 1}));
+  EXPECT_NEAR(norm(loops[0].X_BJ.p - Vec3{1, 0, -1}), 0, 1e-15) << "where the anchor lies in b in the position of the file";
+  EXPECT_TRUE(loops[0].closed);
+  EXPECT_FALSE(loops[1].closed) << "by default";
+  EXPECT_EQ(loops[1].link_b, -1);
+  EXPECT_EQ(loops[1].name, "connect_2");
+  EXPECT_EQ(loops[2].type, LoopType::ball) << "without torques";
+  EXPECT_EQ(loops[3].type, LoopType::gear);
+  EXPECT_EQ(loops[3].polynomial, (std::array<double, 5>{1, 2, 3, 0, 0}));
+  EXPECT_EQ(loops[4].polynomial, (std::array<double, 5>{2, 3, 0, 0, 0})) << "2 (ja - ja0) - 6 jb = 4";
+  EXPECT_EQ(link(m, "c").joint.freedoms[0].lower, 0.25);
+  EXPECT_EQ(link(m, "c").joint.freedoms[0].upper, 0.25);
+  EXPECT_TRUE(has_note(m, "An equality of tendons is left out"));
+}
+
+TEST(Mjcf, ShapesAndTheWorld) {
+  const RobotModel m =
+      read(world("<geom type='plane' size='1 1 1'/><geom name='wall' type='box' size='1 2 3' pos='5 0 0'/>" +
+                 swing("<geom size='0.1' contype='0' conaffinity='0' group='1'/><geom size='0.2' group='3' friction='0.25'/>"
+                       "<geom size='0.3' contype='0' conaffinity='0' group='4'/><geom size='0.4' rgba='1 1 1 0'/>")));
+  EXPECT_EQ(m.mechanism->link(0).name, "world");
+  ASSERT_EQ(m.mechanism->link(0).shapes.size(), 1U);
+  EXPECT_EQ(m.mechanism->link(0).shapes[0].X_BS.p.x, 5);
+  const std::vector<Shape>& s = link(m, "arm").shapes;
+  ASSERT_EQ(s.size(), 4U);
+  EXPECT_FALSE(s[0].collides);
+  EXPECT_TRUE(s[0].visible);
+  EXPECT_TRUE(s[1].collides);
+  EXPECT_TRUE(s[1].visible) << "what collides is seen";
+  EXPECT_EQ(s[1].friction, 0.25);
+  EXPECT_FALSE(s[2].visible);
+  EXPECT_FALSE(s[3].visible);
+  EXPECT_TRUE(has_note(m, "A plane is left out"));
+}
+
+TEST(Mjcf, BasesByOption) {
+  const std::string text = world("<body name='free'><freejoint/><geom size='0.1'/></body><body name='still'><geom size='0.1'/>" +
+                                 swing("<geom size='0.1' pos='1 0 0'/>") + "</body><body name='thing'><geom size='0.1'/></body>");
+  RobotOptions options;
+  EXPECT_EQ(read(text, options).mechanism->nv(), 7);
+  options.base = Base::fixed;
+  EXPECT_EQ(read(text, options).mechanism->nv(), 1);
+  options.base = Base::floating;
+  EXPECT_EQ(read(text, options).mechanism->nv(), 13) << "what carries nothing that moves stays where it is";
+}
+
+// ---- meshes
+
+std::vector<Vec3> cube(double a, const Vec3& centre) {
+  std::vector<Vec3> out;
+  for (int i = 0; i < 8; ++i) out.push_back(centre + Vec3{i & 1 ? a : -a, i & 2 ? a : -a, i & 4 ? a : -a});
+  return out;
+}
+const std::vector<MeshTriangle> cube_faces = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                                              {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+TEST(MjcfMesh, InertiaOfACube) {
+  const Vec3 c{1, 2, 3};
+  const std::vector<Vec3> points = cube(0.5, c);
+  const Sym3 solid{1.0 / 6, 1.0 / 6, 1.0 / 6, 0, 0, 0};
+  for (const MeshInertia kind : {MeshInertia::exact, MeshInertia::legacy}) {
+    const Inertia I = mesh_inertia(points, cube_faces, kind);
+    EXPECT_NEAR(I.mass, 1, 1e-14);
+    EXPECT_NEAR(norm(I.centre() - c), 0, 1e-14);
+    expect_moments(I.about_centre(), solid.xx, solid.yy, solid.zz);
+  }
+  const Inertia shell = mesh_inertia(points, cube_faces, MeshInertia::shell);
+  EXPECT_NEAR(shell.mass, 6, 1e-14);
+  expect_moments(shell.about_centre(), 5.0 / 3, 5.0 / 3, 5.0 / 3);  // 6 a^2 m/36 (10) of a hollow cube: 5/18 m a^2
+  // one triangle the wrong way round: legacy does not care, exact does
+  std::vector<MeshTriangle> wrong = cube_faces;
+  std::swap(wrong[3][0], wrong[3][1]);
+  EXPECT_NEAR(mesh_inertia(points, wrong, MeshInertia::legacy).mass, 1, 1e-14);
+  EXPECT_NEAR(mesh_inertia(points, wrong, MeshInertia::exact).mass, 1 - 2.0 / 12, 1e-14);
+}
+
+TEST(MjcfMesh, HullOfPoints) {
+  std::vector<Vec3> points = cube(0.5, {});
+  for (int i = 0; i < 200; ++i) {  // inside, on the faces, on the edges, and twice the same
+    const double t = -0.5 + i / 200.0;
+    points.push_back({t * 0.9, t * t - 0.1, 0.3 * t});
+    points.push_back({0.5, t, -t});
+    points.push_back({0.5, 0.5, t});
+    points.push_back({-0.5, -0.5, -0.5});
+  }
+  const Inertia I = mesh_inertia(points, convex_hull(points), MeshInertia::convex);
+  EXPECT_NEAR(I.mass, 1, 1e-12);
+  expect_moments(I.about_centre(), 1.0 / 6, 1.0 / 6, 1.0 / 6);
+  EXPECT_TRUE(convex_hull(std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.5, 0.5, 0}}).empty()) << "flat";
+  // a ball's hull of 1000 points: its volume from below
+  points.clear();
+  for (int i = 0; i < 1000; ++i) {
+    const double z = -1 + 2 * (i + 0.5) / 1000, turn = 2.399963229728653 * i, r = std::sqrt(1 - z * z);
+    points.push_back({r * cos(turn), r * sin(turn), z});
+  }
+  const double v = mesh_inertia(points, convex_hull(points), MeshInertia::exact).mass;
+  EXPECT_LT(v, 4.0 / 3.0 * pi);
+  EXPECT_GT(v, 0.99 * 4.0 / 3.0 * pi);
+}
+
+const std::string brick =  // 2 x 4 x 6 about (1, 0, 0)
+    "v 0 -2 -3\nv 2 -2 -3\nv 0 2 -3\nv 2 2 -3\nv 0 -2 3\nv 2 -2 3\nv 0 2 3\nv 2 2 3\n"
+    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+
+TEST(MjcfMesh, OfFilesAndOfTheModel) {
+  const RobotModel m = read(
+      "<compiler meshdir='parts'/><asset><mesh file='brick.obj' scale='0.1 0.1 -0.1'/><mesh name='moved' file='brick.obj' refpos='1 0 0' "
+      "refquat='1 0 0 1'/><mesh name='hull' vertex='0 0 0 1 0 0 0 1 0 0 0 1'/></asset>" +
+          world(swing("<geom type='mesh' mesh='brick' pos='0 0 1' mass='3'/>", "a") + swing("<geom type='mesh' mesh='moved'/>", "b") +
+                swing("<geom type='mesh' mesh='hull' density='6'/>", "c") + swing("<geom type='box' mesh='brick' density='1000'/>", "d") +
+                swing("<geom type='mesh' mesh='brick' mass='1' contype='0' conaffinity='0'/>", "e")),
+      beside({{"parts/brick.obj", brick}}));
+  const Inertia a = link(m, "a").inertia;
+  EXPECT_EQ(a.mass, 3);
+  EXPECT_NEAR(norm(a.centre() - Vec3{0.1, 0, 1}), 0, 1e-15);
+  expect_moments(a.about_centre(), 3 * (0.16 + 0.36) / 12, 3 * (0.04 + 0.36) / 12, 3 * (0.04 + 0.16) / 12);
+  const Inertia b = link(m, "b").inertia;
+  EXPECT_NEAR(b.mass, 48000, 1e-8);
+  EXPECT_NEAR(norm(b.centre()), 0, 1e-12);
+  EXPECT_NEAR(b.I.xx, 48000 * (4 + 36) / 12.0, 1e-8) << "turned by a quarter about z";
+  EXPECT_NEAR(link(m, "c").inertia.mass, 1, 1e-14) << "a sixth of a cubic metre";
+  const Inertia d = link(m, "d").inertia;
+  EXPECT_NEAR(d.mass, 48, 1e-9) << "the box of the same moments is the brick itself";
+  EXPECT_NEAR(norm(d.centre() - Vec3{0.1, 0, 0}), 0, 1e-14);
+  expect_moments(d.about_centre(), 48 * (0.16 + 0.36) / 12, 48 * (0.04 + 0.36) / 12, 48 * (0.04 + 0.16) / 12);
+  ASSERT_EQ(link(m, "a").shapes.size(), 1U);
+  EXPECT_NEAR(norm(link(m, "a").shapes[0].half_extents - Vec3{0.1, 0.2, 0.3}), 0, 1e-15);
+  EXPECT_TRUE(link(m, "e").shapes.empty()) << "what only looks is left out";
+}
+
+TEST(MjcfMesh, AbsentOnes) {
+  const std::string looks = "<asset><mesh name='m' file='m.stl'/></asset>" +
+                            world(swing("<inertial pos='0 0 1' mass='1' diaginertia='1 1 1'/><geom type='mesh' mesh='m'/>"));
+  const RobotModel m = read(looks);
+  EXPECT_EQ(m.mechanism->mass(), 1);
+  EXPECT_TRUE(has_note(m, "mesh file is not there"));
+  RobotOptions strict;
+  strict.meshes = Meshes::require;
+  EXPECT_FALSE(read_mjcf("<mujoco>" + looks + "</mujoco>", "m.xml", strict).has_value());
+
+  const std::string weighs =
+      "<mujoco><asset><mesh name='m' file='m.stl'/></asset>" + world(swing("<geom size='0.1'/><geom type='mesh' mesh='m'/>")) + "</mujoco>";
+  const auto refused = read_mjcf(weighs, "m.xml");
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_NE(refused.error().text().find("'m.stl'"), std::string::npos) << refused.error().text();
+  RobotOptions weightless;
+  weightless.weightless_meshes = true;
+  const auto taken = read_mjcf(weighs, "m.xml", weightless);
+  ASSERT_TRUE(taken.has_value()) << taken.error().text();
+  EXPECT_NEAR(taken->mechanism->mass(), 4.0 / 3.0 * pi, 1e-12);
+}
+
+TEST(Mjcf, NotesTellWhatIsLeftOut) {
+  const RobotModel m =
+      read("<option gravity='0 0 -981' timestep='0.001' density='2'><flag gravity='disable'/></option><extension/>" +
+           world("<body name='b' gravcomp='1'><joint name='j' springdamper='0.1 1'/><geom type='ellipsoid' size='1 2 "
+                 "3'/><flexcomp/><plugin/></body>"
+                 "<body mocap='true'><geom size='0.1' contype='3'/></body>") +
+           "<tendon><spatial/><fixed/></tendon><contact><exclude/></contact><actuator><muscle tendon='t'/></actuator><deformable/>"
+           "<keyframe><key qpos='1 2 3 4'/></keyframe>");
+  for (const char* part : {"Gravity of the model: 0 0 -981", "Time step", "density, viscosity", "switches gravity off", "<extension>",
+                           "gravcomp", "springdamper", "An ellipsoid", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon",
+                           "A fixed tendon", "<exclude>", "A drive on something else", "<deformable>", "Keyframes are left out"})
+    EXPECT_TRUE(has_note(m, part)) << part;
+}
+
+}  // namespace
+}  // namespace ugoki::robot_formats
