@@ -222,10 +222,11 @@ inline ClosedCase bricard() {
   return closed_case(std::move(spec), std::vector<double>(5, 0.0), std::vector<double>(5, 0.0), gravity_y);
 }
 
-/// IFToMM benchmark A05, the stiff flyball governor: a shaft about z, a slider along it, two rods with balls; stiff spring-dampers join
-/// the middles of the rods to the slider. An open link system with forces; v: shaft, slider, two rods (below the horizontal).
+/// IFToMM benchmark A05, the stiff flyball governor: a shaft about z, a slider along it, two rods with balls; rods and springs are hinged 5
+/// cm off the axis (which the published curve tells), the springs at the rods' middles. An open link system with forces; v: shaft, slider,
+/// two rods (below the horizontal).
 struct Governor {
-  static constexpr double stiffness = 8e5, damping = 4e4, rest = 0.5, top = 1.0, arm = 0.5;
+  static constexpr double stiffness = 8e5, damping = 4e4, rest = 0.5, top = 1.0, arm = 0.5, side = 0.05;
 
   /// Joint forces of the two spring-dampers.
   static void forces(const std::vector<double>& q, const std::vector<double>& v, std::vector<double>& tau) {
@@ -262,7 +263,7 @@ inline ClosedCase governor() {
     rod.name = k == 0 ? "rod0" : "rod1";
     rod.parent = "shaft";
     rod.joint.type = JointType::revolute;
-    rod.joint.X_PJ = {rotation_about({0, 0, 1}, k * pi), {0, 0, Governor::top}};
+    rod.joint.X_PJ = {rotation_about({0, 0, 1}, k * pi), {k == 0 ? Governor::side : -Governor::side, 0, Governor::top}};
     rod.joint.axis = {0, 1, 0};  // turns x towards -z
     rod.inertia = Inertia::from_centre(rod_mass, {0.5, 0, 0}, Sym3{2 * across, 1.0 / 12 + across, 1.0 / 12 + across, 0, 0, 0} * rod_mass);
     rod.inertia += Inertia::from_centre(5, {1, 0, 0}, {});

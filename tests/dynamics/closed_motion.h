@@ -1,66 +1,81 @@
 #pragma once
-// Runge-Kutta steps of closed link systems for the tests, and their energy.
+// Motions of closed link systems for the tests.
 
 #include <functional>
 
 #include "benchmark_mechanisms.h"
-#include "ugoki/dynamics/closed_reference.h"
-#include "ugoki/dynamics/dynamics.h"
+#include "ugoki/dynamics/closed_reference_system.h"
+#include "ugoki/dynamics/integrators.h"
 
 namespace ugoki::testing {
 
 using JointForces = std::function<void(const std::vector<double>& q, const std::vector<double>& v, std::vector<double>& tau)>;
 
-/// A closed link system that moves in steps; the state is closed after each.
-struct ClosedMotion {
-  explicit ClosedMotion(const ClosedCase& c) : m(*c.mechanism), cw(m), q(c.q), v(c.v), gravity(c.gravity), tau(v.size()) {}
-
-  const Mechanism& m;
-  dynamics::ClosedWorkspace cw;
-  std::vector<double> q, v;
-  Vec3 gravity;
-  std::vector<double> tau;
-  JointForces forces = {};
-
-  bool acceleration(const std::vector<double>& at_q, const std::vector<double>& at_v, std::vector<double>& a) {
-    if (forces) forces(at_q, at_v, tau);
-    return dynamics::calc_closed_acceleration(m, cw, at_q, at_v, tau, gravity, {}, a);
+/// A closed link system under joint forces that depend on its state.
+class ForcedSystem : public dynamics::ClosedReferenceSystem {
+ public:
+  ForcedSystem(const ClosedCase& c, JointForces forces) : ClosedReferenceSystem(c.mechanism, options_for(c)), forces_(std::move(forces)) {}
+  void calc_drive(double t, std::span<const double> q, std::span<const double> v, std::span<double> tau) override {
+    if (!forces_) return ClosedReferenceSystem::calc_drive(t, q, v, tau);
+    std::vector<double> at_q(q.begin(), q.end()), at_v(v.begin(), v.end()), out(tau.size());
+    forces_(at_q, at_v, out);
+    std::ranges::copy(out, tau.begin());
   }
 
-  /// The classical method of order 4, in coordinates without quaternions (q' = v).
-  bool step(double dt) {
-    const std::size_t n = v.size();
-    std::vector<double> q1 = q, v1 = v, dq(n), dv(n), a(n);
-    constexpr double stage[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-    for (int j = 0; j < 4; ++j) {
-      if (j > 0)
-        for (std::size_t i = 0; i < n; ++i) {
-          q1[i] = q[i] + stage[j] * dt * v1[i];
-          v1[i] = v[i] + stage[j] * dt * a[i];
-        }
-      if (!acceleration(q1, v1, a)) return false;
-      for (std::size_t i = 0; i < n; ++i) {
-        dq[i] += weight[j] * dt * v1[i];
-        dv[i] += weight[j] * dt * a[i];
-      }
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      q[i] += dq[i];
-      v[i] += dv[i];
-    }
-    return dynamics::project_closed_state(m, q, v, cw).closed;
+ private:
+  static dynamics::OpenSystemOptions options_for(const ClosedCase& c) {
+    dynamics::OpenSystemOptions options;
+    options.gravity = c.gravity;
+    return options;
+  }
+  JointForces forces_;
+};
+
+/// A case in motion. Steps of Dormand and Prince (order 5), fixed unless the options say otherwise.
+class ClosedMotion {
+ public:
+  explicit ClosedMotion(const ClosedCase& c, double step, JointForces forces = {}) : ClosedMotion(c, fixed(step), std::move(forces)) {}
+  ClosedMotion(const ClosedCase& c, const dynamics::IntegratorOptions& options, JointForces forces = {})
+      : system(c, std::move(forces)), integrator(system, options) {
+    integrator.start(0, c.q, c.v);
   }
 
-  double energy() {
-    dynamics::update_kinematics(m, q, v, cw.open);
-    return dynamics::kinetic_energy(m, cw.open) + dynamics::potential_energy(m, cw.open, gravity);
-  }
+  /// To time t. @return false on a failure
+  bool advance(double t) { return integrator.advance(t).status == dynamics::IntegrationStatus::reached; }
+
+  [[nodiscard]] double q(int i) const { return integrator.q()[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] double v(int i) const { return integrator.v()[static_cast<std::size_t>(i)]; }
+  double energy() { return system.calc_energy(integrator.q(), integrator.v()); }
   /// Greatest gap of any row [m | rad].
   double gap() {
-    dynamics::update_kinematics(m, q, v, cw.open);
-    dynamics::update_loop_rows(m, cw.open, cw.loops, q, v, cw.rows);
-    return dynamics::measure_gap(cw).gap;
+    update_gaps(system.mechanism(), integrator.q(), system.closed);
+    return measure_gap(system.closed).gap;
   }
+
+  static dynamics::IntegratorOptions fixed(double step) {
+    dynamics::IntegratorOptions options;
+    options.step = step;
+    options.adaptive = false;
+    return options;
+  }
+
+  ForcedSystem system;
+  dynamics::Integrator integrator;
+};
+
+/// Greatest drift of the energy [J] and greatest gap [m | rad] at `samples` times up to `duration`.
+struct Drift {
+  double energy = 0, gap = 0;
+
+  Drift(ClosedMotion& motion, double duration, int samples) {
+    const double start = motion.energy();
+    for (int k = 1; k <= samples; ++k) {
+      reached = reached && motion.advance(duration * k / samples);
+      energy = std::max(energy, std::fabs(motion.energy() - start));
+      gap = std::max(gap, motion.gap());
+    }
+  }
+  bool reached = true;
 };
 
 }  // namespace ugoki::testing

@@ -228,11 +228,11 @@ TEST(ClosedReference, AndrewsMechanismStartsWithThePublishedAccelerationsAndForc
   }
 }
 
-TEST(ClosedReference, AllocatesTheSameAnswerTwice) {
+TEST(ClosedReference, GivesTheSameBitsTwice) {
   const auto run = [] {
-    ClosedMotion motion(four_bar({}, 0.5, 3));
-    for (int i = 0; i < 200; ++i) EXPECT_TRUE(motion.step(1e-3));
-    return motion.q;
+    ClosedMotion motion(four_bar({}, 0.5, 3), 1e-3);
+    EXPECT_TRUE(motion.advance(0.2));
+    return std::vector<double>(motion.integrator.q().begin(), motion.integrator.q().end());
   };
   EXPECT_EQ(run(), run());
 }

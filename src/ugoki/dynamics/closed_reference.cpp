@@ -1,6 +1,7 @@
 #include "ugoki/dynamics/closed_reference.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ugoki/base/check.h"
@@ -17,16 +18,60 @@ void open_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double
   for (std::size_t i = 0; i < applied.size(); ++i) cw.tau1[i] -= applied[i];
 }
 
-/// A little before (s < 0) or after (q, v): the branch on which the system moves through a singular position.
-bool acceleration_beside(const Mechanism& m, ClosedWorkspace& cw, double s, std::span<const double> tau, const Vec3& gravity,
-                         std::span<const Vec6> external, std::span<double> vdot) {
-  integrate(m, cw.q2, cw.v2, s, cw.q3);
-  std::ranges::copy(cw.v2, cw.v3.begin());
-  if (!close_theta_S(m, cw.q3, cw).closed) return false;
-  update_partition(m, cw);
-  apply_partition(cw, cw.v3);
-  update_closed(m, cw.q3, cw.v3, cw);
-  return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, vdot);
+constexpr std::size_t branch_points = 8;
+constexpr double branch_step = 0.04;  // rad, of the fastest freedom
+
+/// While it lives the choice is held.
+class HeldChoice {
+ public:
+  explicit HeldChoice(ClosedWorkspace& cw) : cw_(cw), before_(cw.hold_choice) { cw.hold_choice = true; }
+  ~HeldChoice() { cw_.hold_choice = before_; }
+  HeldChoice(const HeldChoice&) = delete;
+  HeldChoice& operator=(const HeldChoice&) = delete;
+
+ private:
+  ClosedWorkspace& cw_;
+  bool before_;
+};
+
+/// Near a singular position theta_S depends on theta_G as 0 / 0: velocities lose digits as the square, accelerations as the cube of the
+/// distance. But the motion runs on through it on one smooth branch. So `evaluate` is asked at the points before and behind that are
+/// far enough away, and the polynomial through them gives the value here.
+/// @param q, v closed in position; v moves along the branch
+/// @param out [nv, out]
+/// @return false where the system rests, or does not move out of the singular positions: there is no branch to follow
+template <class Evaluate>
+bool interpolate_through(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> q, std::span<const double> v,
+                         const Evaluate& evaluate, std::span<double> out) {
+  const std::size_t n = v.size();
+  double speed = 0;
+  for (std::size_t i = 0; i < n; ++i) speed = std::max(speed, std::fabs(v[i] / cw.freedom_scale[i]));
+  if (!(speed > 1e-300)) return false;
+  const bool held_before = cw.hold_choice;
+  std::array<int, branch_points> at{};
+  std::size_t count = 0;
+  for (int step = 2; step < 26 && count < branch_points; ++step) {
+    const int k = step % 2 == 0 ? step / 2 : -(step / 2);  // 1, -1, 2, -2 ...
+    integrate(m, q, v, branch_step * k / speed, cw.q3);
+    if (!close_theta_S(m, cw.q3, cw).closed) continue;
+    update_partition(m, cw);
+    if (cw.is_nearly_singular()) continue;
+    cw.hold_choice = true;  // one theta_G for all points
+    std::ranges::copy(v, cw.v3.begin());
+    apply_partition(cw, cw.v3);
+    if (!evaluate(std::span(cw.branch).subspan(count * n, n))) continue;
+    at[count++] = k;
+  }
+  cw.hold_choice = held_before;
+  if (count < branch_points) return false;
+  std::ranges::fill(out, 0.0);
+  for (std::size_t a = 0; a < branch_points; ++a) {
+    double weight = 1;  // Lagrange's polynomial of point a, at 0
+    for (std::size_t b = 0; b < branch_points; ++b)
+      if (b != a) weight *= static_cast<double>(at[b]) / (at[b] - at[a]);
+    for (std::size_t i = 0; i < n; ++i) out[i] += weight * cw.branch[a * n + i];
+  }
+  return true;
 }
 
 }  // namespace
@@ -142,6 +187,18 @@ Closure project_closed_state(const Mechanism& m, std::span<double> q, std::span<
     find_full_rank(m, q, cw);
   }
   update_partition(m, cw);
+  if (cw.is_nearly_singular()) {
+    const auto velocity = [&](std::span<double> value) {
+      std::ranges::copy(cw.v3, value.begin());
+      return true;
+    };
+    if (interpolate_through(m, cw, q, v, velocity, cw.vdot2)) {
+      for (const int f : cw.theta_S()) v[static_cast<std::size_t>(f)] = cw.vdot2[static_cast<std::size_t>(f)];
+      return c;
+    }
+    update_gaps(m, q, cw);
+    update_partition(m, cw);
+  }
   apply_partition(cw, v);
   return c;
 }
@@ -150,17 +207,19 @@ bool calc_closed_acceleration(const Mechanism& m, ClosedWorkspace& cw, std::span
                               std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
   std::ranges::copy(q, cw.q2.begin());
   std::ranges::copy(v, cw.v2.begin());
+  // A new choice between the stages of a step would cost the method its order; project_closed_state() may make one after it
+  const HeldChoice held(cw);
   if (!project_closed_state(m, cw.q2, cw.v2, cw).closed) return false;
   update_closed(m, cw.q2, cw.v2, cw);
-  if (!cw.is_singular()) return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, vdot);
-  double speed = 0;
-  for (std::size_t i = 0; i < cw.v2.size(); ++i) speed = std::max(speed, std::fabs(cw.v2[i] / cw.freedom_scale[i]));
-  if (speed == 0) return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, vdot);
-  const double s = 1e-4 / speed;
-  if (!acceleration_beside(m, cw, s, tau, gravity, external, vdot)) return false;
-  if (!acceleration_beside(m, cw, -s, tau, gravity, external, cw.vdot2)) return false;
-  for (std::size_t i = 0; i < vdot.size(); ++i) vdot[i] = 0.5 * (vdot[i] + cw.vdot2[i]);
-  return true;
+  if (cw.is_nearly_singular()) {
+    const auto acceleration = [&](std::span<double> value) {
+      update_closed(m, cw.q3, cw.v3, cw);
+      return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, value);
+    };
+    if (interpolate_through(m, cw, cw.q2, cw.v2, acceleration, vdot)) return true;
+    update_closed(m, cw.q2, cw.v2, cw);
+  }
+  return calc_closed_forward_dynamics_by_unit_vectors(m, cw, tau, gravity, external, vdot);
 }
 
 }  // namespace ugoki::dynamics

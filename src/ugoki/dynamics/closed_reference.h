@@ -44,8 +44,8 @@ void calc_loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const d
 /// Closes positions and velocities of a state. @return what is left of the gap
 [[nodiscard]] Closure project_closed_state(const Mechanism& m, std::span<double> q, std::span<double> v, ClosedWorkspace& cw);
 
-/// Accelerations at the closed state nearest to (q, v). At a dead point or change point in motion, where J alone does not determine
-/// them, they are the mean of those a little before and after.
+/// Accelerations at the closed state nearest to (q, v). Near dead points and change points in motion, velocities and accelerations are
+/// taken from the branch on which the system moves through, before and behind.
 /// @return false where A_G is singular or the loops cannot be closed
 [[nodiscard]] bool calc_closed_acceleration(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> q, std::span<const double> v,
                                             std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external,

@@ -12,13 +12,6 @@ namespace {
 constexpr double accepted_gap = 1e-11;  // in units of cw.length and rad: well above rounding, far below anything visible
 constexpr int starts = 24;
 
-/// Gaps at q.
-void update_gaps(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw) {
-  std::ranges::fill(cw.v1, 0.0);
-  update_kinematics(m, q, cw.v1, cw.open);
-  update_loop_rows(m, cw.open, cw.loops, q, cw.v1, cw.rows);
-}
-
 /// Greatest distance from the reference point: what gaps are rounded to.
 double extent(const ClosedWorkspace& cw) {
   double most = cw.length;
@@ -112,6 +105,12 @@ class Sequence {
 };
 
 }  // namespace
+
+void update_gaps(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw) {
+  std::ranges::fill(cw.v1, 0.0);
+  update_kinematics(m, q, cw.v1, cw.open);
+  update_loop_rows(m, cw.open, cw.loops, q, cw.v1, cw.rows);
+}
 
 Closure measure_gap(const ClosedWorkspace& cw) {
   Closure c{.closed = true};
@@ -261,6 +260,7 @@ int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspac
   };
   std::vector<double> best_place(q.begin(), q.end()), moved = best_place, direction(static_cast<std::size_t>(m.nv()));
   int best = rank_at(best_place);
+  double pivot_part = cw.pivot_part;
   cw.contradiction = std::sqrt(squared_gap(cw));
   Sequence sequence;
   for (int tries = 0; tries < 8 && best < m.nv(); ++tries) {
@@ -270,14 +270,18 @@ int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspac
     apply_partition(cw, direction);
     integrate(m, best_place, direction, tries % 2 == 0 ? 0.05 : 0.2, moved);
     if (!close_positions(m, moved, cw).closed) continue;
-    if (const int rank = rank_at(moved); rank > best) {
+    const int rank = rank_at(moved);
+    if (rank > best) {
       best = rank;
       best_place = moved;
+      pivot_part = 0;
       tries = 0;
     }
+    if (rank == best) pivot_part = std::max(pivot_part, cw.pivot_part);
   }
   std::ranges::copy(best_place.begin(), best_place.begin() + static_cast<std::ptrdiff_t>(general.size()), general.begin());
   cw.rank = -1;
+  cw.full_pivot_part = pivot_part;
   return cw.full_rank = best;
 }
 

@@ -33,9 +33,13 @@ struct Closure {
 void close_velocities(const Mechanism& m, std::span<const double> q, std::span<double> v, ClosedWorkspace& cw,
                       std::span<const double> weights = {});
 
-/// Rank of J in general position near a closed q: the greatest met in a few steps along the freedoms. Sets cw.full_rank.
+/// Rank of J in general position near a closed q: the greatest met in a few steps along the freedoms. Sets cw.full_rank and
+/// cw.full_pivot_part.
 /// @param general [nq, out] where that rank was met; may be `q` itself, or empty
 int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw, std::span<double> general = {});
+
+/// Kinematics at rest and gaps at q.
+void update_gaps(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw);
 
 /// Greatest gap of the closed loops at what update_loop_rows() left.
 [[nodiscard]] Closure measure_gap(const ClosedWorkspace& cw);

@@ -9,7 +9,7 @@
 namespace ugoki::dynamics {
 namespace {
 
-constexpr double least_keep_limit = 8;  // entries of J_S^-1 J_G; full pivoting leaves about 1
+constexpr double least_keep_limit = 4;  // entries of J_S^-1 J_G; full pivoting leaves about 1
 
 /// How many rows of the loop, the first ones, are distances.
 int distance_rows(LoopType type) {
@@ -89,7 +89,22 @@ void choose(ClosedWorkspace& cw) {
 bool keep(ClosedWorkspace& cw) {
   if (cw.rank < 0 || cw.rank != cw.full_rank) return false;
   solve_choice(cw);
-  return cw.pivot_part > cw.rank_tolerance && greatest_entry(cw) < cw.keep_limit;
+  return cw.pivot_part > cw.rank_tolerance && (cw.hold_choice || greatest_entry(cw) < cw.keep_limit);
+}
+
+/// Small pivots can come from the choice as well as from the position: in the latter case no choice is better, and the present one stays.
+void choose_if_better(ClosedWorkspace& cw) {
+  const double part = cw.pivot_part, limit = cw.keep_limit;
+  cw.kept_freedoms = cw.freedom_order;
+  cw.kept_rows = cw.row_order;
+  choose(cw);
+  if (cw.rank == cw.full_rank && cw.pivot_part > 4 * part) return;
+  cw.freedom_order.swap(cw.kept_freedoms);
+  cw.row_order.swap(cw.kept_rows);
+  cw.rank = cw.full_rank;
+  cw.keep_limit = limit;
+  cw.chosen_anew = false;
+  solve_choice(cw);
 }
 
 void fill_H(ClosedWorkspace& cw) {
@@ -121,6 +136,8 @@ ClosedWorkspace::ClosedWorkspace(const Mechanism& m, std::span<const Loop> all_l
   }
   active.reserve(most_rows);
   row_order.reserve(most_rows);
+  kept_rows.reserve(most_rows);
+  kept_freedoms.resize(n);
   J.reserve(most_rows * n);
   pivots.reserve(most_rows * n);
   freedom_order.resize(n);
@@ -134,6 +151,7 @@ ClosedWorkspace::ClosedWorkspace(const Mechanism& m, std::span<const Loop> all_l
   for (auto* x : {&q1, &q2, &q3}) x->resize(nq);
   products.resize(most_rows);
   multipliers.resize(most_rows);
+  branch.resize(8 * n);
   list_active_rows(m, *this);
 }
 
@@ -169,7 +187,10 @@ void update_constraint_matrix(const Mechanism& m, ClosedWorkspace& cw) {
 void update_partition(const Mechanism& m, ClosedWorkspace& cw) {
   update_constraint_matrix(m, cw);
   cw.chosen_anew = false;
-  if (!keep(cw)) choose(cw);
+  if (!keep(cw))
+    choose(cw);
+  else if (cw.is_nearly_singular() && !cw.hold_choice)
+    choose_if_better(cw);
   fill_H(cw);
 }
 

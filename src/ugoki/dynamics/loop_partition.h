@@ -29,14 +29,16 @@ struct ClosedWorkspace {
   std::vector<char> closed;      ///< [loops] set by set_closed(); at the start as each loop says
   double length = 1;             ///< m; scale between distances and angles, from the mechanism's dimensions
   double rank_tolerance = 1e-7;  ///< a pivot below this part of the greatest entry counts as zero
-  double gap_tolerance = 1e-14;  ///< gaps below this times the extent of the mechanism count as rounding
+  double gap_tolerance = 1e-15;  ///< gaps below this times the extent of the mechanism count as rounding
 
   double contradiction = 0;  ///< gap that redundant rows kept when the loops were closed (frames that do not quite agree)
 
   // The choice: update_partition()
   int full_rank = -1;              ///< rank in general position, find_full_rank(); -1: not known, the rank is not limited
+  double full_pivot_part = 0;      ///< pivot_part in general position
   int rank = -1;                   ///< freedoms in theta_S; -1: no choice yet
   double pivot_part = 1;           ///< least pivot of J_S over the greatest: its distance from a singular position
+  bool hold_choice = false;        ///< within a step the choice changes only where J_S has no inverse
   bool chosen_anew = false;        ///< the last update changed the choice
   std::vector<int> active;         ///< rows of the closed loops, indices into `rows`
   std::vector<int> row_order;      ///< [active] the first `rank` are independent; indices into `active`
@@ -54,13 +56,15 @@ struct ClosedWorkspace {
   std::vector<double> h;         ///< [nv] dH/dt v_G: the accelerations that the loops enforce when theta_G has none
 
   // Scratch
-  std::vector<double> pivots, K, q1, v1, q2, v2, q3, v3, vdot1, vdot2, tau1, column, A_G, b_G, normal, multipliers, step;
+  std::vector<double> pivots, K, q1, v1, q2, v2, q3, v3, vdot1, vdot2, tau1, column, A_G, b_G, normal, multipliers, step, branch;
+  std::vector<int> kept_rows, kept_freedoms;
   double keep_limit = 0;
 
   [[nodiscard]] int freedoms() const { return static_cast<int>(freedom_order.size()) - rank; }  ///< degrees of freedom here
   [[nodiscard]] std::span<const int> theta_S() const { return std::span(freedom_order).first(static_cast<std::size_t>(rank)); }
   [[nodiscard]] std::span<const int> theta_G() const { return std::span(freedom_order).subspan(static_cast<std::size_t>(rank)); }
   [[nodiscard]] bool is_singular() const { return rank < full_rank; }  ///< a dead point or change point
+  [[nodiscard]] bool is_nearly_singular() const { return is_singular() || pivot_part < 0.02 * full_pivot_part; }
 };
 
 /// Closes or opens a loop; the choice is made anew at the next update. Positions are not changed.
