@@ -1,24 +1,12 @@
 // What running a circuit promises.
 
 #include <bit>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <new>
 
+#include "allocation_count.h"
 #include "circuit_test.h"
 #include "ugoki/circuit/setup.h"
-
-namespace {
-std::size_t allocations = 0;
-}
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size ? size : 1)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace ugoki::circuit {
 namespace {
@@ -194,11 +182,11 @@ TEST(Run, TicksWithoutAllocation) {
   ASSERT_TRUE(i->tick());
   std::vector<std::byte> saved;
   i->save(saved);
-  const std::size_t before = allocations;
+  const long before = allocations_so_far();
   for (int k = 0; k < 1000; ++k) i->tick();
   i->refresh();
   i->save(saved);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(allocations_so_far(), before);
 }
 
 TEST(Run, CountsTheTimeOfEachLsi) {

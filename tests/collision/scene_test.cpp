@@ -323,12 +323,12 @@ TEST(Scene, NoAllocationAfterWarmUp) {
   posed.move(0, at(0, 0, -2.1));
   posed.move(1, at(0.2, 0, 0.2));
   posed.move(2, at(0.2, 0, 0.55));
-  const auto before = test::allocations();
+  const auto before = allocations_so_far();
   for (int i = 0; i < 100; ++i) {
     posed.move(0, {rotation_about({0, 0, 1}, 0.05), {0, 0, -0.001}});
     find_contacts(scene, posed.spans, 0.05, workspace, out);
   }
-  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(allocations_so_far(), before);
   EXPECT_GT(out.size(), 20U);
 }
 

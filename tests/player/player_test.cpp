@@ -1,23 +1,10 @@
 // Executable data played from memory: same bits, inputs, save and restore, no allocation.
 
-#include <cstdlib>
-#include <new>
-
+#include "allocation_count.h"
 #include "small_world.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/content/player.h"
 #include "ugoki/content/ugx.h"
-
-namespace {
-std::size_t allocations = 0;
-}
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size ? size : 1)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 
 namespace ugoki::content {
 namespace {
@@ -226,12 +213,12 @@ TEST(Player, StepsWithoutAllocation) {
   player.save(saved);
   ASSERT_TRUE(player.restore(saved));
   run(player, 1);
-  const std::size_t before = allocations;
+  const long before = allocations_so_far();
   for (int k = 0; k < 300; ++k) {
     if (!player.step()) break;
     if (k % 8 == 0) player.display_frame(frame);
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(allocations_so_far(), before);
 }
 
 TEST(Player, ABlownUpSimulationStopsAndKeepsTheLastGoodState) {

@@ -8,7 +8,7 @@ namespace {
 std::atomic<long> count{0};
 }  // namespace
 
-long ugoki::collision::test::allocations() { return count.load(); }
+long ugoki::allocations_so_far() { return count.load(); }
 
 void* operator new(std::size_t size) {
   ++count;
