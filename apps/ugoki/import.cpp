@@ -127,7 +127,7 @@ int run_import(const Options& options) {
       failed = true;
       progress.clear();
       (void)print_error(row.error(), false);
-      Json error = to_json(row.error());
+      Json error = json::error_json(row.error());
       error["file"] = options.files[i];
       errors.push_back(std::move(error));
       if (interrupted()) break;

@@ -14,22 +14,6 @@ volatile std::sig_atomic_t interrupt_mark = 0;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-std::string_view name_of(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::syntax: return "syntax";
-    case ErrorCode::truncated: return "truncated";
-    case ErrorCode::range: return "range";
-    case ErrorCode::unknown: return "unknown";
-    case ErrorCode::duplicate: return "duplicate";
-    case ErrorCode::structure: return "structure";
-    case ErrorCode::unsupported: return "unsupported";
-    case ErrorCode::io: return "io";
-    case ErrorCode::conflict: return "conflict";
-    case ErrorCode::cancelled: return "cancelled";
-  }
-  return "";
-}
-
 /// Columns of a UTF-8 text on the screen, near enough.
 std::size_t width_of(std::string_view text) {
   return static_cast<std::size_t>(
@@ -43,20 +27,13 @@ bool is_number(std::string_view text) {
 
 }  // namespace
 
-Json to_json(const Error& error) {
-  Json problems = Json::array();
-  for (const Problem& p : error.problems)
-    problems.push_back({{"code", name_of(p.code)}, {"place", p.place}, {"message", p.message}, {"remedy", p.remedy}});
-  return {{"problems", std::move(problems)}};
-}
-
-int print_error(const Error& error, bool json) {
+int print_error(const Error& error, bool as_json) {
   for (const Problem& p : error.problems) std::fprintf(stderr, "ugoki: %s\n", p.text().c_str());
-  if (json) print_json({{"error", to_json(error)}});
+  if (as_json) print_json({{"error", json::error_json(error)}});
   return 1;
 }
 
-void print_json(const Json& json) { print_line(json.dump(2, ' ', false, Json::error_handler_t::replace)); }
+void print_json(const Json& value) { print_line(json::to_text(value, 2)); }
 
 void print_line(std::string_view line) {
   std::fwrite(line.data(), 1, line.size(), stdout);

@@ -1,24 +1,23 @@
 #pragma once
 // What the verbs print: results on stdout, errors and progress on stderr.
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/json/json.h"
 
 namespace ugoki::cli {
 
-using Json = nlohmann::ordered_json;
+using json::Json;
 
-/// One line a problem on stderr; with `json` also an object {"error": {"problems": [...]}} on stdout.
+/// One line a problem on stderr; with `as_json` also an object {"error": {"problems": [...]}} on stdout.
 /// @return 1, the exit status
-int print_error(const Error& error, bool json);
-[[nodiscard]] Json to_json(const Error& error);
+int print_error(const Error& error, bool as_json);
 
 /// Indented, and a newline.
-void print_json(const Json& json);
+void print_json(const Json& value);
 void print_line(std::string_view line);
 /// Columns padded to their widest cell; the first row is the heading. Columns whose cells are all numbers are right-aligned.
 void print_table(const std::vector<std::vector<std::string>>& rows);

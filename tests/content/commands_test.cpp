@@ -142,7 +142,7 @@ TEST_F(CommandsTest, GroupsAreOneEdit) {
 }
 
 TEST_F(CommandsTest, RefusesWhatDoesNotFit) {
-  bad("", ErrorCode::syntax, "command:1");
+  bad("", ErrorCode::truncated, "command:1");
   bad("[]", ErrorCode::syntax, "command");
   bad("{}", ErrorCode::structure, "command/type");
   bad(R"({"type": "clip.fly"})", ErrorCode::unsupported, "command/type");

@@ -58,14 +58,14 @@ MechanismSpec rich() {
     l.name = "loop " + std::to_string(i);
     l.type = static_cast<LoopType>(i);
     l.link_a = i == 2 ? "" : "link 5";
-    l.link_b = "link 7";
+    l.link_b = l.type == LoopType::gear ? "link 6" : "link 7";
     l.X_AJ = pose();
     l.X_BJ = pose();
     l.axis = normalized(Vec3{any(random), any(random), any(random)});
     l.axis2 = normalized(Vec3{any(random), any(random), any(random)});
     l.length = some(random);
-    l.freedom_a = l.type == LoopType::gear ? 1 : 0;
-    l.freedom_b = l.type == LoopType::gear ? 2 : 0;
+    l.freedom_a = l.type == LoopType::gear ? 2 : 0;
+    l.freedom_b = l.type == LoopType::gear ? 1 : 0;
     l.polynomial = {any(random), any(random), -0.0, 0, any(random)};
     l.closed = i % 2 == 0;
     spec.loops.push_back(l);
@@ -166,7 +166,7 @@ TEST(MechanismJson, RefusesWithTheJsonPath) {
       {"{\"format\": \"ugoki-mechanism\", \"version\": 1, \"links\": {}}", "a.json:links"},
       {document("3"), "a.json:links/0"},
       {document("{\"name\": 3}"), "a.json:links/0/name"},
-      {document("{\"nmae\": \"x\"}"), "a.json:links/0"},
+      {document("{\"nmae\": \"x\"}"), "a.json:links/0/nmae"},
       {document("{\"name\": \"x\", \"joint\": []}"), "a.json:links/0/joint"},
       {document("{\"name\": \"x\", \"joint\": {}}"), "a.json:links/0/joint/type"},
       {document("{\"name\": \"x\", \"joint\": {\"type\": \"hinge\"}}"), "a.json:links/0/joint/type"},

@@ -76,7 +76,7 @@ TEST_F(DamagedProjectTest, RefusesHostileContents) {
   make_closed();
   const std::string whole = read(path_);
   const std::pair<const char*, ErrorCode> cases[] = {
-      {"UPDATE property SET value = '{' WHERE name = 'document'", ErrorCode::syntax},
+      {"UPDATE property SET value = '{' WHERE name = 'document'", ErrorCode::truncated},
       {"UPDATE property SET value = '{\"version\": 7}' WHERE name = 'document'", ErrorCode::unsupported},
       {"DELETE FROM property WHERE name = 'saved'", ErrorCode::structure},
       {"UPDATE property SET value = 'many' WHERE name = 'position'", ErrorCode::syntax},

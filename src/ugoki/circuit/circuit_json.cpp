@@ -6,11 +6,12 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/circuit.h"
+#include "ugoki/json/json.h"
 
 namespace ugoki::circuit {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using json::Json;
 
 constexpr int max_depth = 32;  // circuits inside circuits
 
@@ -312,45 +313,13 @@ std::string circuit_text(const Circuit& c, const std::string& indent, bool outer
   return out + "\n" + indent + "}";
 }
 
-/// "circuit:12": the line of byte `offset`.
-std::string line_of(std::string_view text, std::string_view place, std::size_t offset) {
-  std::size_t line = 1;
-  for (std::size_t i = 0; i < offset && i < text.size(); ++i) line += text[i] == '\n';
-  return std::string(place) + ":" + std::to_string(line);
-}
-
-/// Only finds where the text stops being JSON.
-struct Where {
-  std::size_t offset = 0;
-  bool null() { return true; }
-  bool boolean(bool) { return true; }
-  bool number_integer(Json::number_integer_t) { return true; }
-  bool number_unsigned(Json::number_unsigned_t) { return true; }
-  bool number_float(Json::number_float_t, const std::string&) { return true; }
-  bool string(std::string&) { return true; }
-  bool binary(Json::binary_t&) { return true; }
-  bool start_object(std::size_t) { return true; }
-  bool key(std::string&) { return true; }
-  bool end_object() { return true; }
-  bool start_array(std::size_t) { return true; }
-  bool end_array() { return true; }
-  template <class Exception>
-  bool parse_error(std::size_t position, const std::string&, const Exception&) {
-    offset = position;
-    return false;
-  }
-};
-
 }  // namespace
 
 Result<Circuit> read_circuit(std::string_view text, std::string_view place) {
-  Where where;
-  if (!Json::sax_parse(text.begin(), text.end(), &where))
-    return fail(ErrorCode::syntax, line_of(text, place, where.offset), "The text stops being JSON here.",
-                "Look for a missing comma, quote or bracket.");
-  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  const Result<Json> json = json::parse_json(text, place);
+  if (!json) return fail(json.error());
   Reader reader;
-  Circuit circuit = reader.read(json, std::string(place), 0, true);
+  Circuit circuit = reader.read(*json, std::string(place), 0, true);
   if (!reader.problems.empty()) return fail(std::move(reader.problems));
   return circuit;
 }

@@ -189,19 +189,8 @@ class Checker {
 
 template <class Read>
 void read_list(Fields& parent, std::string_view key, Read read) {
-  const Json* list = parent.find(key);
+  const Json* list = parent.list(key, 10'000, key);
   if (!list) return;
-  if (!list->is_array()) {
-    parent.problems().add(ErrorCode::syntax, parent.path(key), "It must be a list, but it is " + std::string(type_of(*list)) + ".",
-                          "Write it as [ ... ].");
-    return;
-  }
-  constexpr std::size_t most = 10'000;
-  if (list->size() > most) {
-    parent.problems().add(ErrorCode::range, parent.path(key), "The list has more than " + std::to_string(most) + " entries.",
-                          "Take some out.");
-    return;
-  }
   for (std::size_t i = 0; i < list->size(); ++i) {
     Fields fields((*list)[i], parent.path(key) + "/" + std::to_string(i), parent.problems());
     read(fields);

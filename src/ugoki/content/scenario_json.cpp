@@ -51,13 +51,13 @@ void read_control(Fields& f, ScenarioControl& out) {
   else if (mode == "passive")
     out.mode = ControlMode::passive;
   else
-    f.problems().add(ErrorCode::unknown, f.path("mode"), "There is no control mode '" + mode + "'.", "Use \"track\" or \"passive\".");
+    f.report(ErrorCode::unknown, f.path("mode"), "There is no control mode '" + mode + "'.", "Use \"track\" or \"passive\".");
   f.number("tracking", out.tracking);
   f.number("balance", out.balance);
   f.number("assist_limit", out.assist_limit);
   f.text("beyond", beyond);
   if (beyond != "let_go")
-    f.problems().add(ErrorCode::unknown, f.path("beyond"), "Nothing is known as '" + beyond + "' beyond the cap.", "Use \"let_go\".");
+    f.report(ErrorCode::unknown, f.path("beyond"), "Nothing is known as '" + beyond + "' beyond the cap.", "Use \"let_go\".");
 }
 
 void read_character(Fields& f, ScenarioCharacter& out) {
@@ -78,7 +78,7 @@ void read_event(Fields& f, ScenarioEvent& out) {
   else if (type == "throw")
     out.type = EventType::throw_;
   else
-    f.problems().add(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.", "Use \"push\" or \"throw\".");
+    f.report(ErrorCode::unsupported, f.path("type"), "There is no event of type '" + type + "'.", "Use \"push\" or \"throw\".");
   f.number("time", out.time);
   f.text("character", out.character);
   if (out.type == EventType::push) {
@@ -114,12 +114,12 @@ void read_circuit_field(Fields& f, Scenario& out) {
   const Json* circuit = f.find("circuit");
   if (!circuit) return;
   if (circuit->is_object())
-    out.circuit = to_text(*circuit, -1);
+    out.circuit = to_text(*circuit);
   else if (circuit->is_null())
     out.circuit.clear();
   else
-    f.problems().add(ErrorCode::syntax, f.path("circuit"), "It must be a circuit or null.",
-                     "Give an object in the form of docs/circuit.md, or null.");
+    f.report(ErrorCode::syntax, f.path("circuit"), "It must be a circuit or null.",
+             "Give an object in the form of docs/circuit.md, or null.");
 }
 
 Json to_json(const ScenarioClip& c) {
@@ -183,7 +183,5 @@ Json to_json(const Scenario& s) {
   if (!s.circuit.empty()) json["circuit"] = Json::parse(s.circuit, nullptr, false);
   return json;
 }
-
-std::string to_text(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
 
 }  // namespace ugoki::content

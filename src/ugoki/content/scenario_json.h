@@ -23,7 +23,4 @@ void read_circuit_field(Fields& fields, Scenario& out);
 [[nodiscard]] Json to_json(const ScenarioEvent& event);
 [[nodiscard]] Json to_json(const Scenario& scenario);
 
-/// Canonical text of a JSON value.
-[[nodiscard]] std::string to_text(const Json& json, int indent);
-
 }  // namespace ugoki::content

@@ -13,8 +13,8 @@ namespace ugoki::formats {
 [[nodiscard]] std::string write_mechanism(const Mechanism& mechanism);
 
 /// Reads and validates. Errors: broken JSON has file:line; wrong types, unknown words and wrong lengths have
-/// file:path/in/the/JSON; an impossible mechanism has file: link name. All problems found are reported, up to twenty of
-/// the first two kinds.
+/// file:path/in/the/JSON; an impossible mechanism has file: link name. All problems found are reported, up to a
+/// hundred of the first two kinds.
 [[nodiscard]] Result<MechanismPtr> read_mechanism(std::string_view text, std::string_view file_name);
 
 }  // namespace ugoki::formats

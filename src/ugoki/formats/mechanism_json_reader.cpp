@@ -1,339 +1,209 @@
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <initializer_list>
-#include <nlohmann/json.hpp>
 
-#include "ugoki/base/number.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/text.h"
+#include "ugoki/json/fields.h"
 
 namespace ugoki::formats {
 namespace {
 
-using nlohmann::json;
+using json::Fields;
+using json::Json;
 
-/// Finds where broken JSON breaks: nlohmann tells it to a SAX handler only when exceptions are off.
-struct FaultFinder : json::json_sax_t {
-  std::size_t position = 0;
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool string(string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool start_object(std::size_t) override { return true; }
-  bool key(string_t&) override { return true; }
-  bool end_object() override { return true; }
-  bool start_array(std::size_t) override { return true; }
-  bool end_array() override { return true; }
-  bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
-    position = at;
-    return false;
+constexpr std::size_t most_entries = 1'000'000;
+
+void read_vector(Fields& f, std::string_view key, Vec3& value) {
+  double x[3];
+  if (f.numbers(key, x)) value = {x[0], x[1], x[2]};
+}
+void read_symmetric(Fields& f, std::string_view key, Sym3& value) {
+  double x[6];
+  if (f.numbers(key, x)) value = {x[0], x[1], x[2], x[3], x[4], x[5]};
+}
+
+/// Calls read(fields) with the object in `key`, if there is one.
+template <class Read>
+void read_object(Fields& parent, std::string_view key, Read read) {
+  const Json* object = parent.find(key);
+  if (!object) return;
+  Fields f(*object, parent.path(key), parent.problems());
+  if (!f.is_object()) return;
+  read(f);
+  f.refuse_others();
+}
+
+/// Calls read(fields, i) with every object of the list in `key`, if there is one.
+template <class Read>
+void read_list(Fields& parent, std::string_view key, std::size_t most, Read read) {
+  const Json* list = parent.list(key, most, key);
+  for (std::size_t i = 0; list && i < list->size() && parent.problems().problems.size() < json::most_problems; ++i) {
+    Fields f((*list)[i], parent.path(key) + "/" + std::to_string(i), parent.problems());
+    if (!f.is_object()) continue;
+    read(f, i);
+    f.refuse_others();
   }
-};
+}
 
-class Reader {
- public:
-  explicit Reader(std::string_view file) : file_(file) {}
-
-  Error errors;
-
-  [[nodiscard]] bool full() const { return errors.problems.size() >= 20; }
-  void add(ErrorCode code, const std::string& path, std::string message, std::string remedy) {
-    if (!full()) errors.add(code, file_ + ":" + (path.empty() ? "/" : path), std::move(message), std::move(remedy));
-  }
-
-  MechanismSpec read(const json& j) {
-    MechanismSpec spec;
-    if (!is_object(j, "", {"format", "version", "name", "links", "loops"})) return spec;
-    std::string format;
-    read_string(j, "", "format", format);
-    if (format != "ugoki-mechanism")
-      add(ErrorCode::syntax, "format", "this is not a mechanism of Ugoki.", "A mechanism has \"format\": \"ugoki-mechanism\".");
-    double version = 0;
-    read_number(j, "", "version", version);
-    if (version != 1)
-      add(ErrorCode::unsupported, "version", "this version of the format is not known.", "Use version 1, or a newer Ugoki.");
-    read_string(j, "", "name", spec.name);
-    const json* links = find(j, "links");
-    if (!links || !links->is_array()) {
-      add(ErrorCode::syntax, "links", "the list of links is missing.", "Add \"links\": [ ... ].");
-      return spec;
-    }
-    for (std::size_t i = 0; i < links->size() && !full(); ++i) spec.links.push_back(read_link((*links)[i], "links/" + std::to_string(i)));
-    if (const json* loops = find(j, "loops")) {
-      if (!loops->is_array())
-        add(ErrorCode::syntax, "loops", "a list of loops is expected, not " + std::string(loops->type_name()) + ".", "Write [ ... ].");
-      else
-        for (std::size_t i = 0; i < loops->size() && !full(); ++i)
-          spec.loops.push_back(read_loop((*loops)[i], "loops/" + std::to_string(i)));
-    }
-    return spec;
-  }
-
- private:
-  static const json* find(const json& j, const char* key) {
-    const auto it = j.find(key);
-    return it == j.end() ? nullptr : &*it;
-  }
-  static std::string join(const std::string& path, const char* key) { return path.empty() ? key : path + "/" + key; }
-
-  bool is_object(const json& j, const std::string& path, std::initializer_list<std::string_view> keys) {
-    if (!j.is_object()) {
-      add(ErrorCode::syntax, path, "an object is expected, not " + std::string(j.type_name()) + ".", "Write { ... }.");
-      return false;
-    }
-    for (auto it = j.begin(); it != j.end(); ++it) {
-      if (std::find(keys.begin(), keys.end(), it.key()) != keys.end()) continue;
-      std::string known;
-      for (const std::string_view k : keys) known += (known.empty() ? "" : ", ") + std::string(k);
-      add(ErrorCode::unknown, path, in_quotes(it.key()) + " is not known here.", "Known are " + known + ".");
-    }
-    return true;
-  }
-
-  void read_string(const json& j, const std::string& path, const char* key, std::string& value) {
-    const json* v = find(j, key);
-    if (!v) return;
-    if (v->is_string())
-      value = *v->get_ptr<const std::string*>();
+/// "position": 3 numbers; "rotation": three rows, or a quaternion w x y z (made unit).
+void read_pose(Fields& f, Pose& X) {
+  read_vector(f, "position", X.p);
+  const Json* r = f.find("rotation");
+  if (!r) return;
+  const std::string place = f.path("rotation");
+  if (r->is_array() && r->size() == 4) {
+    double q[4];
+    if (!f.numbers(*r, place, q)) return;
+    const double n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (!(n > 1e-6 && n < 1e6))
+      f.report(ErrorCode::range, place, "The quaternion has no usable length.", "Write a unit quaternion w x y z.");
     else
-      add(ErrorCode::syntax, join(path, key), "a text is expected, not " + std::string(v->type_name()) + ".", "Put it into quotes.");
+      X.R = to_matrix(normalized(Quat{q[0], q[1], q[2], q[3]}));
+    return;
   }
-  void read_number(const json& j, const std::string& path, const char* key, double& value) {
-    const json* v = find(j, key);
-    if (!v) return;
-    if (v->is_number())
-      value = v->get<double>();
-    else
-      add(ErrorCode::syntax, join(path, key), "a number is expected, not " + std::string(v->type_name()) + ".",
-          "Write a number; leave it out for the default.");
+  if (!r->is_array() || r->size() != 3) {
+    f.report(ErrorCode::syntax, place, "A rotation is three rows of three numbers, or a quaternion of four.",
+             "Write [w, x, y, z] or three rows.");
+    return;
   }
-  void read_bool(const json& j, const std::string& path, const char* key, bool& value) {
-    const json* v = find(j, key);
-    if (!v) return;
-    if (v->is_boolean())
-      value = v->get<bool>();
-    else
-      add(ErrorCode::syntax, join(path, key), "true or false is expected, not " + std::string(v->type_name()) + ".",
-          "Write true or false.");
-  }
-  /// A list of exactly `count` numbers; false if it is something else (told).
-  bool numbers(const json& v, const std::string& path, std::size_t count, double* out) {
-    bool good = v.is_array() && v.size() == count;
-    for (std::size_t i = 0; good && i < count; ++i) good = v[i].is_number();
-    if (!good) {
-      add(ErrorCode::syntax, path, "a list of " + std::to_string(count) + " numbers is expected.",
-          "Write [..] with " + std::to_string(count) + " numbers.");
-      return false;
-    }
-    for (std::size_t i = 0; i < count; ++i) out[i] = v[i].get<double>();
-    return true;
-  }
-  void read_vector(const json& j, const std::string& path, const char* key, Vec3& value) {
-    double x[3];
-    if (const json* v = find(j, key); v && numbers(*v, join(path, key), 3, x)) value = {x[0], x[1], x[2]};
-  }
-  void read_symmetric(const json& j, const std::string& path, const char* key, Sym3& value) {
-    double x[6];
-    if (const json* v = find(j, key); v && numbers(*v, join(path, key), 6, x)) value = {x[0], x[1], x[2], x[3], x[4], x[5]};
-  }
+  std::array<double, 9> m{};
+  for (std::size_t i = 0; i < 3; ++i)
+    if (!f.numbers((*r)[i], place + "/" + std::to_string(i), std::span(m).subspan(3 * i, 3))) return;
+  X.R = {m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]};
+}
 
-  /// "position": 3 numbers; "rotation": three rows, or a quaternion w x y z (made unit).
-  void read_pose(const json& j, const std::string& path, Pose& X) {
-    read_vector(j, path, "position", X.p);
-    const json* r = find(j, "rotation");
-    if (!r) return;
-    const std::string place = join(path, "rotation");
-    if (r->is_array() && r->size() == 4) {
-      double q[4];
-      if (!numbers(*r, place, 4, q)) return;
-      const double n = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-      if (!(n > 1e-6 && n < 1e6))
-        add(ErrorCode::range, place, "the quaternion has no usable length.", "Write a unit quaternion w x y z.");
-      else
-        X.R = to_matrix(normalized(Quat{q[0], q[1], q[2], q[3]}));
-      return;
-    }
-    if (!r->is_array() || r->size() != 3) {
-      add(ErrorCode::syntax, place, "a rotation is three rows of three numbers, or a quaternion of four.",
-          "Write [w, x, y, z] or three rows.");
-      return;
-    }
-    double m[9];
-    for (std::size_t i = 0; i < 3; ++i)
-      if (!numbers((*r)[i], place + "/" + std::to_string(i), 3, m + 3 * i)) return;
-    X.R = {m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]};
-  }
+void read_freedom(Fields& f, Freedom& out) {
+  f.number("lower", out.lower);
+  f.number("upper", out.upper);
+  f.number("damping", out.damping);
+  f.number("stiffness", out.stiffness);
+  f.number("rest", out.rest);
+  f.number("armature", out.armature);
+  f.number("friction", out.friction);
+  f.number("effort", out.effort);
+}
 
-  void read_freedom(const json& j, const std::string& path, Freedom& f) {
-    if (!is_object(j, path, {"lower", "upper", "damping", "stiffness", "rest", "armature", "friction", "effort"})) return;
-    read_number(j, path, "lower", f.lower);
-    read_number(j, path, "upper", f.upper);
-    read_number(j, path, "damping", f.damping);
-    read_number(j, path, "stiffness", f.stiffness);
-    read_number(j, path, "rest", f.rest);
-    read_number(j, path, "armature", f.armature);
-    read_number(j, path, "friction", f.friction);
-    read_number(j, path, "effort", f.effort);
-  }
+/// The word in "type" as one of an enumeration. @param known what else may stand there, a sentence
+template <class Type, class Named>
+void read_type(Fields& f, Type& value, Named named, std::string_view what, std::string_view known) {
+  std::string word;
+  f.text("type", word);
+  if (const auto type = named(word))
+    value = *type;
+  else
+    f.report(ErrorCode::unknown, f.path("type"), "There is no " + std::string(what) + " type " + in_quotes(word) + ".",
+             "Types are " + std::string(known) + ".");
+}
 
-  Joint read_joint(const json& j, const std::string& path) {
-    Joint joint;
-    if (!is_object(j, path, {"type", "position", "rotation", "axis", "axis2", "pitch", "freedoms"})) return joint;
-    std::string type;
-    read_string(j, path, "type", type);
-    if (const auto known = joint_type_named(type)) {
-      joint.type = *known;
-    } else {
-      add(ErrorCode::unknown, join(path, "type"), "there is no joint type " + in_quotes(type) + ".",
-          "Types are fixed, revolute, prismatic, helical, cylindrical, planar, universal, spherical and floating.");
-      return joint;
-    }
-    read_pose(j, path, joint.X_PJ);
-    read_vector(j, path, "axis", joint.axis);
-    read_vector(j, path, "axis2", joint.axis2);
-    read_number(j, path, "pitch", joint.pitch);
-    if (const json* list = find(j, "freedoms")) {
-      const std::string place = join(path, "freedoms");
-      const auto nv = static_cast<std::size_t>(joint.nv());
-      if (!list->is_array() || list->size() > nv)
-        add(ErrorCode::structure, place, "a list of at most " + std::to_string(nv) + " freedoms is expected for a " + type + " joint.",
-            "Write one object for each freedom.");
-      else
-        for (std::size_t i = 0; i < list->size(); ++i) read_freedom((*list)[i], place + "/" + std::to_string(i), joint.freedoms[i]);
-    }
-    return joint;
-  }
+void read_joint(Fields& f, Joint& out) {
+  read_type(f, out.type, joint_type_named, "joint",
+            "fixed, revolute, prismatic, helical, cylindrical, planar, universal, spherical and floating");
+  read_pose(f, out.X_PJ);
+  read_vector(f, "axis", out.axis);
+  read_vector(f, "axis2", out.axis2);
+  f.number("pitch", out.pitch);
+  read_list(f, "freedoms", static_cast<std::size_t>(out.nv()), [&](Fields& g, std::size_t i) { read_freedom(g, out.freedoms[i]); });
+}
 
-  Inertia read_inertia(const json& j, const std::string& path) {
-    Inertia inertia;
-    if (!is_object(j, path, {"mass", "centre", "about_centre", "first_moment", "about_origin"})) return inertia;
-    read_number(j, path, "mass", inertia.mass);
-    const bool stored = find(j, "first_moment") || find(j, "about_origin");
-    if (stored && (find(j, "centre") || find(j, "about_centre"))) {
-      add(ErrorCode::conflict, path, "the inertia is given in two ways.",
-          "Give centre and about_centre, or first_moment and about_origin.");
-    } else if (stored) {
-      read_vector(j, path, "first_moment", inertia.h);
-      read_symmetric(j, path, "about_origin", inertia.I);
-    } else {
-      Vec3 centre;
-      Sym3 about_centre;
-      read_vector(j, path, "centre", centre);
-      read_symmetric(j, path, "about_centre", about_centre);
-      inertia = Inertia::from_centre(inertia.mass, centre, about_centre);
-    }
-    return inertia;
-  }
+void read_inertia(Fields& f, Inertia& out) {
+  f.number("mass", out.mass);
+  Vec3 centre;
+  Sym3 about_centre;
+  read_vector(f, "centre", centre);
+  read_symmetric(f, "about_centre", about_centre);
+  read_vector(f, "first_moment", out.h);
+  read_symmetric(f, "about_origin", out.I);
+  const bool by_centre = f.has("centre") || f.has("about_centre"), about_origin = f.has("first_moment") || f.has("about_origin");
+  if (by_centre && about_origin)
+    f.report(ErrorCode::conflict, f.path(), "The inertia is given in two ways.",
+             "Give centre and about_centre, or first_moment and about_origin.");
+  else if (!about_origin)
+    out = Inertia::from_centre(out.mass, centre, about_centre);
+}
 
-  Shape read_shape(const json& j, const std::string& path) {
-    Shape shape;
-    if (!is_object(
-            j, path,
-            {"type", "radius", "half_length", "half_extents", "position", "rotation", "friction", "restitution", "collides", "visible"}))
-      return shape;
-    std::string type;
-    read_string(j, path, "type", type);
-    if (type == "sphere")
-      shape.type = ShapeType::sphere;
-    else if (type == "capsule")
-      shape.type = ShapeType::capsule;
-    else if (type == "box")
-      shape.type = ShapeType::box;
-    else
-      add(ErrorCode::unknown, join(path, "type"), "there is no shape type " + in_quotes(type) + ".", "Types are sphere, capsule and box.");
-    read_number(j, path, "radius", shape.radius);
-    read_number(j, path, "half_length", shape.half_length);
-    read_vector(j, path, "half_extents", shape.half_extents);
-    read_pose(j, path, shape.X_BS);
-    read_number(j, path, "friction", shape.friction);
-    read_number(j, path, "restitution", shape.restitution);
-    read_bool(j, path, "collides", shape.collides);
-    read_bool(j, path, "visible", shape.visible);
-    return shape;
-  }
+std::optional<ShapeType> shape_type_named(std::string_view word) {
+  if (word == "sphere") return ShapeType::sphere;
+  if (word == "capsule") return ShapeType::capsule;
+  if (word == "box") return ShapeType::box;
+  return std::nullopt;
+}
 
-  LinkSpec read_link(const json& j, const std::string& path) {
-    LinkSpec link;
-    if (!is_object(j, path, {"name", "label", "parent", "joint", "inertia", "shapes", "virtual"})) return link;
-    read_string(j, path, "name", link.name);
-    read_string(j, path, "label", link.label);
-    read_string(j, path, "parent", link.parent);
-    if (const json* v = find(j, "joint")) link.joint = read_joint(*v, path + "/joint");
-    if (const json* v = find(j, "inertia")) link.inertia = read_inertia(*v, path + "/inertia");
-    if (const json* v = find(j, "shapes")) {
-      if (v->is_array())
-        for (std::size_t i = 0; i < v->size() && !full(); ++i)
-          link.shapes.push_back(read_shape((*v)[i], path + "/shapes/" + std::to_string(i)));
-      else
-        add(ErrorCode::syntax, path + "/shapes", "a list of shapes is expected, not " + std::string(v->type_name()) + ".",
-            "Write [ ... ].");
-    }
-    if (const json* v = find(j, "virtual"); v && is_object(*v, path + "/virtual", {"real", "position", "rotation"})) {
-      read_string(*v, path + "/virtual", "real", link.real);
-      read_pose(*v, path + "/virtual", link.X_RV);
-    }
-    return link;
-  }
+void read_shape(Fields& f, Shape& out) {
+  read_type(f, out.type, shape_type_named, "shape", "sphere, capsule and box");
+  f.number("radius", out.radius);
+  f.number("half_length", out.half_length);
+  read_vector(f, "half_extents", out.half_extents);
+  read_pose(f, out.X_BS);
+  f.number("friction", out.friction);
+  f.number("restitution", out.restitution);
+  f.boolean("collides", out.collides);
+  f.boolean("visible", out.visible);
+}
 
-  void read_loop_end(const json& j, const std::string& path, const char* key, std::string& link, Pose& X, int& freedom) {
-    const json* end = find(j, key);
-    const std::string place = join(path, key);
-    if (!end || !is_object(*end, place, {"link", "position", "rotation", "freedom"})) return;
-    read_string(*end, place, "link", link);
-    read_pose(*end, place, X);
-    double number = 0;
-    read_number(*end, place, "freedom", number);
-    if (number >= 0 && number <= 5 && number == std::floor(number))
-      freedom = static_cast<int>(number);
-    else
-      add(ErrorCode::range, place + "/freedom", "a freedom is counted from 0 to 5.", "Give the place of the freedom in its joint.");
-  }
+void read_link(Fields& f, LinkSpec& out) {
+  f.text("name", out.name);
+  f.text("label", out.label);
+  f.text("parent", out.parent);
+  read_object(f, "joint", [&](Fields& g) { read_joint(g, out.joint); });
+  read_object(f, "inertia", [&](Fields& g) { read_inertia(g, out.inertia); });
+  read_list(f, "shapes", most_entries, [&](Fields& g, std::size_t) { read_shape(g, out.shapes.emplace_back()); });
+  read_object(f, "virtual", [&](Fields& g) {
+    g.text("real", out.real);
+    read_pose(g, out.X_RV);
+  });
+}
 
-  LoopSpec read_loop(const json& j, const std::string& path) {
-    LoopSpec loop;
-    if (!is_object(j, path, {"name", "type", "a", "b", "axis", "axis2", "length", "polynomial", "closed"})) return loop;
-    read_string(j, path, "name", loop.name);
-    std::string type;
-    read_string(j, path, "type", type);
-    if (const auto known = loop_type_named(type))
-      loop.type = *known;
-    else
-      add(ErrorCode::unknown, join(path, "type"), "there is no loop type " + in_quotes(type) + ".",
-          "Types are weld, ball, revolute, prismatic, cylindrical, planar, universal, distance and gear.");
-    read_loop_end(j, path, "a", loop.link_a, loop.X_AJ, loop.freedom_a);
-    read_loop_end(j, path, "b", loop.link_b, loop.X_BJ, loop.freedom_b);
-    read_vector(j, path, "axis", loop.axis);
-    read_vector(j, path, "axis2", loop.axis2);
-    read_number(j, path, "length", loop.length);
-    if (const json* v = find(j, "polynomial")) numbers(*v, join(path, "polynomial"), loop.polynomial.size(), loop.polynomial.data());
-    read_bool(j, path, "closed", loop.closed);
-    return loop;
-  }
+void read_loop_end(Fields& f, std::string& link, Pose& X, int& freedom) {
+  f.text("link", link);
+  read_pose(f, X);
+  double number = 0;
+  f.number("freedom", number);
+  if (number >= 0 && number <= 5 && number == std::floor(number))
+    freedom = static_cast<int>(number);
+  else
+    f.report(ErrorCode::range, f.path("freedom"), "A freedom is counted from 0 to 5.", "Give the place of the freedom in its joint.");
+}
 
-  std::string file_;
-};
+void read_loop(Fields& f, LoopSpec& out) {
+  f.text("name", out.name);
+  read_type(f, out.type, loop_type_named, "loop", "weld, ball, revolute, prismatic, cylindrical, planar, universal, distance and gear");
+  read_object(f, "a", [&](Fields& g) { read_loop_end(g, out.link_a, out.X_AJ, out.freedom_a); });
+  read_object(f, "b", [&](Fields& g) { read_loop_end(g, out.link_b, out.X_BJ, out.freedom_b); });
+  read_vector(f, "axis", out.axis);
+  read_vector(f, "axis2", out.axis2);
+  f.number("length", out.length);
+  (void)f.numbers("polynomial", out.polynomial);
+  f.boolean("closed", out.closed);
+}
+
+MechanismSpec read_document(Fields& f) {
+  MechanismSpec spec;
+  std::string format;
+  double version = 0;
+  f.text("format", format);
+  if (format != "ugoki-mechanism")
+    f.report(ErrorCode::syntax, f.path("format"), "This is not a mechanism of Ugoki.", "A mechanism has \"format\": \"ugoki-mechanism\".");
+  f.number("version", version);
+  if (version != 1)
+    f.report(ErrorCode::unsupported, f.path("version"), "This version of the format is not known.", "Use version 1, or a newer Ugoki.");
+  f.text("name", spec.name);
+  f.require("links", "\"links\": [ ... ]");
+  read_list(f, "links", most_entries, [&](Fields& g, std::size_t) { read_link(g, spec.links.emplace_back()); });
+  read_list(f, "loops", most_entries, [&](Fields& g, std::size_t) { read_loop(g, spec.loops.emplace_back()); });
+  f.refuse_others();
+  return spec;
+}
 
 }  // namespace
 
 Result<MechanismPtr> read_mechanism(std::string_view text, std::string_view file_name) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  const json document = json::parse(text.begin(), text.end(), nullptr, false);
-  if (document.is_discarded()) {
-    FaultFinder finder;
-    (void)json::sax_parse(text.begin(), text.end(), &finder);
-    const std::size_t at = std::min(finder.position, text.size());
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-    const bool ended = text.find_first_not_of(" \t\r\n", at) == std::string_view::npos;
-    return fail(ended ? ErrorCode::truncated : ErrorCode::syntax, std::string(file_name) + ":" + std::to_string(line),
-                ended ? "the JSON text ends too early or is not closed." : "the text is not valid JSON here.",
-                "Check quotes, commas and brackets before this place.");
-  }
-  Reader reader(file_name);
-  MechanismSpec spec = reader.read(document);
-  if (!reader.errors.empty()) return fail(std::move(reader.errors));
+  const Result<Json> document = json::parse_json(text, file_name, text.size());
+  if (!document) return fail(document.error());
+  Error problems;
+  Fields fields(*document, std::string(file_name) + ":", problems);
+  MechanismSpec spec;
+  if (fields.is_object()) spec = read_document(fields);
+  if (!problems.empty()) return fail(std::move(problems));
   auto mechanism = Mechanism::make(std::move(spec));
   if (!mechanism)
     for (Problem& p : mechanism.error().problems) p.place = std::string(file_name) + ": " + p.place;

@@ -7,8 +7,6 @@
 
 namespace ugoki::studio {
 
-[[nodiscard]] std::string_view name_of(ErrorCode code);
-
 /// {"problems": [{"code", "place", "message", "remedy"}]}
 [[nodiscard]] std::string error_json(const Error& error);
 

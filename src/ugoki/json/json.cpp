@@ -1,0 +1,117 @@
+#include "ugoki/json/json.h"
+
+#include <algorithm>
+
+namespace ugoki::json {
+namespace {
+
+std::string_view name_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::syntax: return "syntax";
+    case ErrorCode::truncated: return "truncated";
+    case ErrorCode::range: return "range";
+    case ErrorCode::unknown: return "unknown";
+    case ErrorCode::duplicate: return "duplicate";
+    case ErrorCode::structure: return "structure";
+    case ErrorCode::unsupported: return "unsupported";
+    case ErrorCode::io: return "io";
+    case ErrorCode::conflict: return "conflict";
+    case ErrorCode::cancelled: return "cancelled";
+  }
+  return "unknown";
+}
+
+bool too_deep(std::string_view text) {
+  int depth = 0;
+  bool in_text = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_text) {
+      if (c == '\\') ++i;
+      if (c == '"') in_text = false;
+    } else if (c == '"') {
+      in_text = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > max_depth) return true;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return false;
+}
+
+/// Remembers where the text stops making sense; builds nothing. Without exceptions the library tells it only so.
+class FaultFinder : public nlohmann::json_sax<Json> {
+ public:
+  std::size_t read = 0;  ///< characters up to and with the fault; one more than there are where the text ends too early
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool start_object(std::size_t) override { return true; }
+  bool key(string_t&) override { return true; }
+  bool end_object() override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool parse_error(std::size_t at, const std::string&, const nlohmann::detail::exception&) override {
+    read = at;
+    return false;
+  }
+};
+
+std::unexpected<Error> fault(std::string_view text, std::string_view name) {
+  FaultFinder finder;
+  (void)Json::sax_parse(text.begin(), text.end(), &finder);
+  const std::size_t before = std::min(finder.read > 0 ? finder.read - 1 : 0, text.size());
+  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(before), '\n');
+  const std::string place = std::string(name) + ":" + std::to_string(line);
+  if (text.empty()) return fail(ErrorCode::truncated, place, "The text is empty, not JSON.", "Give a JSON document.");
+  if (finder.read > text.size())
+    return fail(ErrorCode::truncated, place, "The JSON text ends too early.", "Close what is open: a quote or a bracket.");
+  return fail(ErrorCode::syntax, place, "The text is not valid JSON here.",
+              "Look for a missing comma, quote or bracket at this line or the one before.");
+}
+
+}  // namespace
+
+Result<Json> parse_json(std::string_view text, std::string_view name, std::size_t max_size) {
+  if (text.size() > max_size)
+    return fail(ErrorCode::range, std::string(name),
+                "The text has " + std::to_string(text.size()) + " bytes, more than the " + std::to_string(max_size) + " allowed.",
+                "Make it smaller.");
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (too_deep(text))
+    return fail(ErrorCode::range, std::string(name), "Its brackets are nested deeper than " + std::to_string(max_depth) + " levels.",
+                "No valid document does; write it anew.");
+  Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (json.is_discarded()) return fault(text, name);
+  return json;
+}
+
+std::string_view type_of(const Json& value) {
+  switch (value.type()) {
+    case Json::value_t::null: return "null";
+    case Json::value_t::object: return "an object";
+    case Json::value_t::array: return "a list";
+    case Json::value_t::string: return "a text";
+    case Json::value_t::boolean: return "true or false";
+    case Json::value_t::number_integer:
+    case Json::value_t::number_unsigned:
+    case Json::value_t::number_float: return "a number";
+    default: return "not valid JSON";
+  }
+}
+
+std::string to_text(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
+
+Json error_json(const Error& error) {
+  Json problems = Json::array();
+  for (const Problem& p : error.problems)
+    problems.push_back({{"code", name_of(p.code)}, {"place", p.place}, {"message", p.message}, {"remedy", p.remedy}});
+  return {{"problems", std::move(problems)}};
+}
+
+}  // namespace ugoki::json

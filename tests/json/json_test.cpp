@@ -1,0 +1,128 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ugoki/json/fields.h"
+
+namespace ugoki::json {
+namespace {
+
+TEST(Json, FaultsHaveTheirLine) {
+  struct Case {
+    std::string text, place;
+    ErrorCode code;
+  };
+  const Case cases[] = {
+      {"", "f:1", ErrorCode::truncated},
+      {"\n\n", "f:3", ErrorCode::truncated},
+      {"{\"a\":\n[1, 2", "f:2", ErrorCode::truncated},
+      {"{\"a\": \"no end", "f:1", ErrorCode::truncated},
+      {"{\"a\": 1}}", "f:1", ErrorCode::syntax},
+      {"{\n\"a\" 1}", "f:2", ErrorCode::syntax},
+      {"[1,\n2,\n]", "f:3", ErrorCode::syntax},
+      {"[1,\n1e999]", "f:2", ErrorCode::syntax},
+      {"[\"\xFF\"]", "f:1", ErrorCode::syntax},
+      {std::string("\0", 1), "f:1", ErrorCode::syntax},
+      {std::string(max_depth + 1, '[') + std::string(max_depth + 1, ']'), "f", ErrorCode::range},
+  };
+  for (const Case& c : cases) {
+    const auto read = parse_json(c.text, "f");
+    ASSERT_FALSE(read) << c.text;
+    EXPECT_EQ(read.error().problems[0].place, c.place) << c.text;
+    EXPECT_EQ(read.error().problems[0].code, c.code) << c.text;
+    EXPECT_FALSE(read.error().problems[0].remedy.empty());
+  }
+  EXPECT_TRUE(parse_json(std::string(max_depth, '[') + std::string(max_depth, ']'), "f"));
+  EXPECT_TRUE(parse_json("[\"" + std::string(2 * max_depth, '[') + "\"]", "f")) << "brackets inside a text do not nest";
+  EXPECT_TRUE(parse_json("\xEF\xBB\xBF{}", "f")) << "a byte order mark is no fault";
+  EXPECT_FALSE(parse_json("[1, 2]", "f", 5)) << "larger than allowed";
+}
+
+TEST(Json, FieldsTellEveryProblemByItsPath) {
+  const auto document =
+      parse_json(R"({"n": "x", "i": 1.5, "b": 0, "t": 3, "v": [1, 2], "w": [1, "2"], "l": {}, "m": [1, 2, 3], "extra": 0})", "f");
+  ASSERT_TRUE(document);
+  Error problems;
+  Fields f(*document, "f:", problems);
+  double n = 7, v[3] = {7, 7, 7}, w[2] = {7, 7};
+  int i = 7;
+  bool b = true;
+  std::string t = "seven";
+  f.number("n", n);
+  f.integer("i", i);
+  f.boolean("b", b);
+  f.text("t", t);
+  EXPECT_FALSE(f.numbers("v", v));
+  EXPECT_FALSE(f.numbers("w", w));
+  EXPECT_EQ(f.list("l", 10, "entries"), nullptr);
+  EXPECT_EQ(f.list("m", 2, "entries"), nullptr);
+  f.require("absent", "it");
+  f.number("absent", n);
+  f.refuse_others();
+  std::vector<std::string> places;
+  for (const Problem& p : problems.problems) {
+    places.push_back(p.place);
+    EXPECT_FALSE(p.message.empty() || p.remedy.empty()) << p.text();
+  }
+  EXPECT_EQ(places, (std::vector<std::string>{"f:n", "f:i", "f:b", "f:t", "f:v", "f:w", "f:l", "f:m", "f:absent", "f:extra"}));
+  EXPECT_EQ(n, 7);
+  EXPECT_EQ(i, 7);
+  EXPECT_TRUE(b);
+  EXPECT_EQ(t, "seven");
+  EXPECT_EQ(v[0], 7);
+  EXPECT_EQ(w[0], 7) << "all numbers or none";
+}
+
+TEST(Json, FieldsReadWhatIsRight) {
+  const auto document = parse_json(R"({"n": -0.0, "i": -3, "b": false, "t": "\u52d5", "v": [1, 2.5, -0.0], "l": [{"n": 2}]})", "f");
+  ASSERT_TRUE(document);
+  Error problems;
+  Fields f(*document, "f", problems);
+  double n = 7, v[3] = {};
+  int i = 7;
+  bool b = true;
+  std::string t;
+  f.number("n", n);
+  f.integer("i", i);
+  f.boolean("b", b);
+  f.text("t", t);
+  EXPECT_TRUE(f.numbers("v", v));
+  const Json* l = f.list("l", 1, "entries");
+  ASSERT_NE(l, nullptr);
+  Fields inner((*l)[0], f.path("l") + "/0", problems);
+  EXPECT_EQ(inner.path("n"), "f/l/0/n");
+  inner.number("n", n);
+  EXPECT_EQ(n, 2);
+  f.refuse_others();
+  EXPECT_TRUE(problems.empty()) << problems.text();
+  EXPECT_EQ(i, -3);
+  EXPECT_FALSE(b);
+  EXPECT_EQ(t, "\u52d5");
+  EXPECT_TRUE(v[2] == 0 && std::signbit(v[2])) << "numbers keep their bits";
+}
+
+TEST(Json, AHostileDocumentHasAShortAnswer) {
+  std::string text = "{";
+  for (int k = 0; k < 10'000; ++k) text += (k ? ",\"" : "\"") + std::string(1000, 'k') + std::to_string(k) + "\":0";
+  const auto document = parse_json(text + "}", "f");
+  ASSERT_TRUE(document);
+  Error problems;
+  Fields(*document, "f", problems).refuse_others();
+  EXPECT_EQ(problems.problems.size(), most_problems);
+  EXPECT_LT(problems.text().size(), 50'000u);
+  Fields(Json(3), "f:", problems).refuse_others();
+}
+
+TEST(Json, ErrorsAreJsonWhateverTheyQuote) {
+  Error error(ErrorCode::duplicate, "a.json:3", "Two have the name \"\xFF\".", "Rename one.");
+  const auto back = parse_json(to_text(error_json(error)), "error");
+  ASSERT_TRUE(back);
+  const Json& p = (*back)["problems"][0];
+  EXPECT_EQ(p["code"], "duplicate");
+  EXPECT_EQ(p["place"], "a.json:3");
+  EXPECT_EQ(p["message"], "Two have the name \"\xEF\xBF\xBD\".");
+  EXPECT_EQ(p["remedy"], "Rename one.");
+}
+
+}  // namespace
+}  // namespace ugoki::json
