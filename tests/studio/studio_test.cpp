@@ -142,8 +142,13 @@ TEST_F(StudioTest, HelloTellsEverythingAndAFrameFollows) {
   ASSERT_TRUE(hello["ok"]) << hello;
   EXPECT_EQ(hello["project"]["name"], "park.ugoki");
   EXPECT_EQ(hello["document"]["characters"][0]["id"], "human");
-  EXPECT_EQ(hello["characters"], json::parse(R"([{"id":"human","name":"Human","mechanism":"m-walker","links":2},
-                                                 {"id":"ball","name":"Ball","mechanism":"m-ball","links":1}])"));
+  json characters = hello["characters"];
+  ASSERT_EQ(characters.size(), 2u);
+  EXPECT_NEAR(characters[0]["end_speed"].get<double>(), 3 / 2.0 * 1.5, 0.01) << "3 m in 2 s, played 1.5 times as fast";
+  EXPECT_EQ(characters[1]["end_speed"], 0);
+  for (json& c : characters) c.erase("end_speed");
+  EXPECT_EQ(characters, json::parse(R"([{"id":"human","name":"Human","mechanism":"m-walker","links":2},
+                                        {"id":"ball","name":"Ball","mechanism":"m-ball","links":1}])"));
   EXPECT_FALSE(hello["can_undo"]);
   EXPECT_EQ(hello["transport"]["mode"], "edit");
   EXPECT_EQ(hello["transport"]["duration"], 8);
@@ -153,6 +158,26 @@ TEST_F(StudioTest, HelloTellsEverythingAndAFrameFollows) {
   Page later = page();  // a page that comes later gets the frame too, though nothing moves
   ASSERT_TRUE(later.ask({{"op", "hello"}})["ok"]);
   EXPECT_TRUE(later.frame([](const Frame& f) { return f.characters.size() == 2; }));
+}
+
+TEST_F(StudioTest, ChoicesLastBeyondThePageAndTheStudio) {
+  const json choices = {{"keymap", "blender"}, {"theme", "light"}, {"view", {{"ghosts", true}}}};
+  {
+    Page p = page();
+    EXPECT_EQ(p.ask({{"op", "hello"}})["choices"], json::object());
+    ASSERT_TRUE(p.ask({{"op", "remember"}, {"choices", choices}})["ok"]);
+    for (const json& wrong : {json(nullptr), json(3), json::array(), json{{"long", std::string(20'000, 'x')}}})
+      EXPECT_FALSE(p.ask({{"op", "remember"}, {"choices", wrong}})["ok"]) << wrong;
+    Page second = page();
+    EXPECT_EQ(second.ask({{"op", "hello"}})["choices"], choices);
+  }
+  studio_.reset();
+  start(project::Project::open(path()));
+  EXPECT_EQ(page().ask({{"op", "hello"}})["choices"], choices);
+  for (const char* damaged : {"", "{", "[1]", "\xff\xfe", "null"}) {
+    std::ofstream(folder_ + "/choices.json", std::ios::binary) << damaged;
+    EXPECT_EQ(page().ask({{"op", "hello"}})["choices"], json::object()) << damaged;
+  }
 }
 
 TEST_F(StudioTest, ACommandReachesEveryPageAndWhatPlays) {

@@ -46,6 +46,7 @@ const circuit = {
 
 let revision = 1;
 let unsaved = false;
+let choices = {};
 const past = [];
 const future = [];
 let transport = { mode: 'edit', playing: false, speed: 1, time: 0, simulated: 0 };
@@ -183,10 +184,11 @@ function summary() {
 }
 
 const operations = {
-  hello: () => ({ project: { path: 'park.ugoki', name: 'park.ugoki', unsaved }, ...document_state(), transport: transport_state(), keymap: 'industry', circuit }),
+  hello: () => ({ project: { path: 'park.ugoki', name: 'park.ugoki', unsaved }, ...document_state(), transport: transport_state(), choices, circuit }),
   command: ({ command }) => { const next = apply(doc, command); past.push({ doc, label: label_of(command) }); future.length = 0; doc = next; changed(); },
   undo: () => { const p = past.pop(); if (!p) throw refuse('There is nothing to undo.', ''); future.push({ doc, label: p.label }); doc = p.doc; changed(); },
   redo: () => { const p = future.pop(); if (!p) throw refuse('There is nothing to redo.', ''); past.push({ doc, label: p.label }); doc = p.doc; changed(); },
+  remember: (request) => { choices = request.choices; },
   save: () => { unsaved = false; broadcast({ event: 'document', unsaved, ...document_state() }); },
   mode: ({ mode }) => { transport = { ...transport, mode, playing: false, simulated: mode === 'simulate' ? transport.time : 0 }; tell_transport(); send_frame(); },
   play: ({ speed }) => { transport = { ...transport, playing: true, speed: speed ?? transport.speed, time: transport.time >= doc.duration ? 0 : transport.time }; tell_transport(); },

@@ -213,6 +213,115 @@ export const journeys = [
     },
   },
   {
+    name: 'a clip dragged onto another track goes there, but not onto another mechanism',
+    skip: mock && 'the mock duplicates no character',
+    async run({ page }) {
+      const { id, clip } = await lead(page);
+      const tracks = () => hook(page, 'Object.fromEntries(window.ugoki.document().characters.map((c) => [c.id, c.track.length]))');
+      const before = await tracks();
+      await page.locator(`[data-character="${id}"] .track-name`).click();
+      await page.keyboard.press('Control+d');
+      await until(page, `window.ugoki.document().characters.length > ${Object.keys(before).length}`, 'the second character');
+      const twin = Object.keys(await tracks()).find((c) => !(c in before));
+      await page.waitForTimeout(500);
+      const start = { ...(await tracks()) };
+      const drag_to = async (other, picture) => {
+        const box = await page.locator(`[data-clip="${clip.id}"]`).boundingBox();
+        const lane = await page.locator(`[data-character="${other}"] .lane`).boundingBox();
+        const grip = { x: box.x + Math.min(box.width / 2, 120), y: box.y + box.height / 2 };
+        await page.mouse.move(grip.x, grip.y);
+        await page.mouse.down();
+        await page.mouse.move(grip.x + 20, grip.y + 4, { steps: 3 });
+        await page.mouse.move(grip.x + 60, lane.y + lane.height / 2, { steps: 6 });
+        await page.waitForTimeout(200);
+        await page.screenshot({ path: `${pictures}${picture}.png` });
+        await page.mouse.up();
+        await page.waitForTimeout(700);
+      };
+      const stranger = await hook(page, `window.ugoki.document().characters.find((c) => c.mechanism !== window.ugoki.document().characters.find((d) => d.id === '${id}').mechanism).id`);
+      await drag_to(stranger, 'clip-refused');
+      assert.deepEqual(await tracks(), start, 'a motion of another mechanism is refused');
+      await drag_to(twin, 'clip-to-track');
+      assert.deepEqual(await tracks(), { ...start, [id]: start[id] - 1, [twin]: start[twin] + 1 });
+      const moved = await hook(page, `window.ugoki.document().characters.find((c) => c.id === '${twin}').track.find((k) => k.id === '${clip.id}')`);
+      assert.ok(moved.start > clip.start + 0.1 && moved.length === clip.length && moved.motion === clip.motion, 'the whole clip, later');
+      await page.keyboard.press('Control+z');
+      await until(page, `window.ugoki.document().characters.find((c) => c.id === '${id}').track.length === ${start[id]}`, 'one undo to take it back');
+      await page.keyboard.press('Control+z');
+      await until(page, `window.ugoki.document().characters.length === ${Object.keys(before).length}`, 'the second character to be gone');
+    },
+  },
+  {
+    name: 'a track that ends in the middle of a movement says so',
+    skip: mock && 'the mock knows no motions',
+    async run({ page }) {
+      const { id, clip } = await lead(page);
+      const note = page.locator(`[data-character="${id}"] .unfinished`);
+      assert.equal(await note.count(), 0);
+      const box = await page.locator(`[data-clip="${clip.id}"]`).boundingBox();
+      await page.mouse.move(box.x + box.width - 2, box.y + box.height / 2);
+      await page.mouse.down();
+      await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2, { steps: 6 });
+      await page.mouse.up();
+      await note.waitFor();
+      assert.match(await note.textContent(), /ends at \d\.\d m\/s/);
+      await page.screenshot({ path: `${pictures}unfinished.png` });
+      await page.keyboard.press('Control+z');
+      await note.waitFor({ state: 'detached' });
+    },
+  },
+  {
+    name: 'saving under a name that exists asks first',
+    skip: mock && 'the mock saves nothing',
+    async run({ page }) {
+      const path = () => page.locator('.project').getAttribute('title');
+      const save_as = async (name) => {
+        await page.keyboard.press('Control+Shift+s');
+        await page.locator('#save-path').fill(name);
+        await page.keyboard.press('Enter');
+      };
+      await page.locator('.scenario').click({ position: { x: 400, y: 6 } });
+      const first = (await path()).split(' ')[0];
+      const second = first.replace(/[^/]+$/, 'second.ugoki');
+      await save_as(second);
+      await page.locator('.save-as').waitFor({ state: 'detached' });
+      assert.ok((await path()).startsWith(second), await path());
+      await save_as(first);
+      await page.locator('.save-as [role=alert]').waitFor();
+      await page.screenshot({ path: `${pictures}save-as.png` });
+      await page.keyboard.press('Escape');
+      await page.locator('.save-as').waitFor({ state: 'detached' });
+      assert.ok((await path()).startsWith(second), 'nothing was replaced');
+      await save_as(first);
+      await page.getByRole('button', { name: 'Replace' }).click();
+      await page.locator('.save-as').waitFor({ state: 'detached' });
+      assert.ok((await path()).startsWith(first), await path());
+    },
+  },
+  {
+    name: 'a chosen keymap is kept for the next page',
+    async run({ page, service }) {
+      const chosen = async () => {
+        await page.keyboard.press('F1');
+        const name = await page.locator('.keys [role=radio][aria-checked=true]').textContent();
+        await page.keyboard.press('Escape');
+        return name;
+      };
+      const other = { Industry: 'Blender-like', 'Blender-like': 'Industry' };
+      const before = await chosen();
+      for (const now of [other[before], before]) {
+        await page.keyboard.press('Control+k');
+        await page.keyboard.type('switch keymap');
+        await page.keyboard.press('Enter');
+        await page.waitForTimeout(300);
+        await page.goto('about:blank');
+        await page.goto(service.address);
+        await ready(page);
+        assert.equal(await chosen(), now);
+      }
+    },
+  },
+  {
     name: 'pulling a hand with the mouse moves the body',
     async run({ page }) {
       const { id } = await lead(page);

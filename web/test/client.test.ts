@@ -2,6 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { Client, LatestOnly, retry_delay, type ClientHandlers, type SocketLike } from '../src/core/client';
 import { RequestError } from '../src/core/protocol';
 import { Session } from '../src/core/session';
+import { initial_state, read_choices } from '../src/core/state';
 import { sample_document } from './sample';
 
 class FakeSocket implements SocketLike {
@@ -200,6 +201,50 @@ describe('Session', () => {
     expect(session.state.transport).toMatchObject({ speed: 0.25, time: 3 });
     session.play();
     expect(socket.sent.at(-1)).toMatchObject({ op: 'play', speed: 0.25 });
+  });
+
+  it('takes the choices of another time from hello, known words only, and sends what is chosen', async () => {
+    const session = new Session({ make_socket, fetch: () => Promise.resolve(new Response('{"entries": []}')) });
+    session.start();
+    const socket = sockets[0]!;
+    socket.open();
+    socket.answer({ ...hello(), choices: { keymap: 'blender', theme: 'purple', view: { ghosts: true, trail: 'yes', follow: true, nonsense: 1 } } });
+    await vi.advanceTimersByTimeAsync(0);
+    expect(session.state).toMatchObject({ keymap: 'blender', theme: 'dark' });
+    expect(session.state.view).toMatchObject({ ghosts: true, trail: false });
+    expect(session.state.view).not.toHaveProperty('nonsense');
+    session.set({ theme: 'light' });
+    session.remember();
+    expect(socket.sent.at(-1)).toMatchObject({ op: 'remember', choices: { keymap: 'blender', theme: 'light', view: { ghosts: true } } });
+    socket.answer();
+    await vi.advanceTimersByTimeAsync(0);
+    socket.lose();
+    await vi.advanceTimersByTimeAsync(250);
+    sockets[1]!.open();
+    sockets[1]!.answer({ ...hello(), choices: { keymap: 'industry' } });
+    await vi.advanceTimersByTimeAsync(0);
+    expect(session.state.keymap).toBe('blender'); // what was chosen here counts, not what came back
+  });
+
+  it.each([null, 3, 'x', [], { view: null }, { view: 7, keymap: {} }])('survives choices that are none: %j', async (choices) => {
+    expect(read_choices(choices)).toMatchObject({ keymap: 'industry', theme: 'dark', view: initial_state.view });
+  });
+
+  it('saving as asks before it replaces a file', async () => {
+    const { session, socket } = await start();
+    const first = session.save_as('a/b.ugoki', false);
+    expect(socket.sent.at(-1)).toMatchObject({ op: 'save', path: 'a/b.ugoki', overwrite: false });
+    socket.say({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ code: 'conflict', place: 'a/b.ugoki', message: 'The file exists already.' }] } });
+    expect(await first).toBe('taken');
+    expect(session.state.toasts).toEqual([]);
+    const second = session.save_as('a/b.ugoki', true);
+    socket.answer({ path: '/home/x/a/b.ugoki' });
+    expect(await second).toBe('saved');
+    expect(session.state.project).toMatchObject({ path: '/home/x/a/b.ugoki', name: 'b.ugoki', unsaved: false });
+    const third = session.save_as('no/where.ugoki', false);
+    socket.say({ reply: socket.sent.at(-1)!.id, ok: false, error: { problems: [{ code: 'io', place: 'no', message: 'There is no such folder.' }] } });
+    expect(await third).toBe('failed');
+    expect(session.state.toasts.at(-1)?.problems[0]?.message).toBe('There is no such folder.');
   });
 
   it('drops a selection whose clip was deleted', async () => {

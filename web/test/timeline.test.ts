@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import type { Clip } from '../src/core/document';
-import { changed_fields, drag_clip, fit_view, pan_by, ruler_steps, snap_delta, snap_targets, time_to_x, x_to_time, zoom_at, type SnapRules } from '../src/core/timeline';
+import { apply_command, type Clip } from '../src/core/document';
+import { changed_fields, drag_clip, ends_moving, fit_view, move_clip, pan_by, ruler_steps, snap_delta, snap_targets, time_to_x, x_to_time, zoom_at, type SnapRules } from '../src/core/timeline';
 import { sample_document } from './sample';
 
 const clip: Clip = { id: 'k', motion: 'n', start: 1, length: 2, offset: 0.5, speed: 1, blend: 0.3, loop: false };
@@ -53,6 +53,20 @@ describe('snapping', () => {
   });
 });
 
+describe('a track that ends in the middle of a movement', () => {
+  const human = sample_document().characters[0]!;
+  it('is told, where it leaves the figure', () => {
+    expect(ends_moving(human, 1.3, 20)).toEqual({ time: 5, speed: 1.3 });
+  });
+  it('is none when the figure stands, is limp, has no clips, or the content ends there', () => {
+    expect(ends_moving(human, 0.1, 20)).toBeNull();
+    expect(ends_moving(human, undefined, 20)).toBeNull();
+    expect(ends_moving(human, 1.3, 5)).toBeNull();
+    expect(ends_moving({ ...human, track: [] }, 1.3, 20)).toBeNull();
+    expect(ends_moving({ ...human, control: { ...human.control, mode: 'passive' } }, 1.3, 20)).toBeNull();
+  });
+});
+
 describe('dragging a clip', () => {
   it('moves, never before 0', () => {
     expect(drag_clip(clip, 'move', 0.5, rules(), 3).fields).toEqual({ start: 1.5 });
@@ -86,5 +100,15 @@ describe('dragging a clip', () => {
   });
   it('a drag that ended where it began changes nothing', () => {
     expect(changed_fields(clip, drag_clip(clip, 'move', 0, rules(), 3).fields)).toBeNull();
+  });
+  it('onto another track takes the whole clip along, as one step', () => {
+    const document = sample_document();
+    const before = document.characters[0]!.track[0]!;
+    const command = move_clip(before, 'human', 'dog', 7.5);
+    expect(command).toMatchObject({ type: 'group', commands: [{ type: 'clip.remove' }, { type: 'clip.add' }] });
+    const after = apply_command(document, command);
+    expect(after.characters[0]!.track.map((k) => k.id)).toEqual(['k2']);
+    expect(after.characters[1]!.track).toEqual([{ ...before, start: 7.5 }]);
+    expect(document.characters[0]!.track).toHaveLength(2);
   });
 });

@@ -1,5 +1,7 @@
 #include "ugoki/content/track.h"
 
+#include <algorithm>
+
 namespace ugoki::content {
 
 Clip to_clip(const ScenarioClip& clip) {
@@ -26,6 +28,21 @@ std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism&
     track.push_back(clip);
   }
   return track;
+}
+
+double calc_end_speed(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources) {
+  if (character.track.empty() || mechanism.link(0).joint.type != JointType::floating) return 0;
+  for (const ScenarioClip& clip : character.track)
+    if (!resources.motions.contains(clip.motion)) return 0;
+  const Clip last = lay_track(character, mechanism, resources).back();
+  const Motion& motion = *resources.motions.find(character.track.back().motion)->second;
+  constexpr double span = 0.1;  // s: longer than measured noise, shorter than a step
+  const double end = last.start + last.length, before = std::max(last.start, end - span);
+  if (!(end > before)) return 0;
+  std::vector<double> q0(static_cast<std::size_t>(mechanism.nq())), q1(q0.size());
+  sample(last, motion, mechanism, before, q0);
+  sample(last, motion, mechanism, end, q1);
+  return norm(Vec3{q1[0] - q0[0], q1[1] - q0[1], q1[2] - q0[2]}) / (end - before);
 }
 
 std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism, const std::vector<Clip>& track,

@@ -19,6 +19,10 @@ namespace ugoki::content {
 /// leaves off. The motions must be there and fit the mechanism.
 [[nodiscard]] std::vector<Clip> lay_track(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
 
+/// How fast the track still moves the figure where it ends, m/s of the root link; 0 where it stands, or has no track. After its end a
+/// track holds its last pose, so a figure that arrives there quickly cannot help falling. Missing motions count as standing.
+[[nodiscard]] double calc_end_speed(const ScenarioCharacter& character, const Mechanism& mechanism, const Resources& resources);
+
 /// Position at time 0: of the first clip at its start, or neutral where the character stands. @param track as laid
 [[nodiscard]] std::vector<double> start_position(const ScenarioCharacter& character, const Mechanism& mechanism,
                                                  const std::vector<Clip>& track, const Resources& resources);

@@ -2,41 +2,27 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/circuit.h"
+#include "ugoki/content/track.h"
 #include "ugoki/content/ugx.h"
+#include "ugoki/files/files.h"
+#include "ugoki/json/json.h"
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/frame.h"
 
 namespace ugoki::studio {
 namespace {
 
-using Json = nlohmann::json;
+using json::Json;
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+constexpr std::size_t max_choices = 16'384;  // bytes; what a page remembers is a few words
+
+std::string text_of(const Json& json) { return json::to_text(json); }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
-
-/// True if brackets are nested so deeply that the JSON library's recursion could run out of stack.
-bool is_too_deep(std::string_view text) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '\\' && quoted)
-      ++i;
-    else if (c == '"')
-      quoted = !quoted;
-    else if (!quoted && (c == '{' || c == '[') && ++depth > 100)
-      return true;
-    else if (!quoted && (c == '}' || c == ']'))
-      --depth;
-  }
-  return false;
-}
 
 /// The circuit as the page shows it.
 std::string shown_circuit(std::span<const std::byte> executable) {
@@ -92,7 +78,7 @@ void Session::stop() {
 void Session::on_message(ClientId client, std::string_view text) {
   Request request;
   request.client = client;
-  if (!is_too_deep(text)) request.json = Json::parse(text, nullptr, false);
+  if (Result<Json> read = json::parse_json(text, "message")) request.json = std::move(*read);
   if (!request.json.is_object()) {
     return reply(client, "null",
                  fail(ErrorCode::syntax, "message", "This is no JSON object.", "Send {\"id\": 1, \"op\": \"hello\"}, for example."));
@@ -132,6 +118,7 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   if (request.op == "command") return execute(request);
   if (request.op == "undo" || request.op == "redo") return undo_or_redo(request.op == "undo");
   if (request.op == "save") return save(request);
+  if (request.op == "remember") return remember(request);
   if (Result<void> r = check_transport(request); !r) return fail(std::move(r.error()));
   if (Result<void> r = forward(request); !r) return fail(std::move(r.error()));
   answered = false;
@@ -139,8 +126,7 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
 }
 
 std::string Session::hello() const {
-  const Json keymap = "industry";
-  std::string fields = "," + document_fields() + ",\"transport\":" + transport_event() + ",\"keymap\":" + text_of(keymap);
+  std::string fields = "," + document_fields() + ",\"transport\":" + transport_event() + ",\"choices\":" + choices();
   if (!circuit_.empty()) fields += ",\"circuit\":" + circuit_;
   return fields;
 }
@@ -149,8 +135,10 @@ std::string Session::document_fields() const {
   Json characters = Json::array();
   for (const content::ScenarioCharacter& c : project_.scenario().characters) {
     const auto mechanism = project_.resources().mechanisms.find(c.mechanism);
-    const int links = mechanism != project_.resources().mechanisms.end() ? mechanism->second->link_count() : 0;
-    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"links", links}});
+    const bool known = mechanism != project_.resources().mechanisms.end();
+    const int links = known ? mechanism->second->link_count() : 0;
+    const double end_speed = known ? content::calc_end_speed(c, *mechanism->second, project_.resources()) : 0;
+    characters.push_back({{"id", c.id}, {"name", c.name}, {"mechanism", c.mechanism}, {"links", links}, {"end_speed", end_speed}});
   }
   const Json project = {{"path", project_.path()}, {"name", file_name(project_.path())}, {"unsaved", project_.unsaved()}};
   const Json state = {{"project", project},
@@ -215,6 +203,26 @@ Result<std::string> Session::save(const Request& request) {
   if (!saved) return fail(std::move(saved.error()));
   outbox_.broadcast("{\"event\":\"document\"," + document_fields() + "}");
   return ",\"path\":" + text_of(project_.path());
+}
+
+/// What the page gave to remember, or {}: a file that is absent or damaged is no reason to trouble the user.
+std::string Session::choices() const {
+  const Result<std::string> text = options_.choices_path.empty() ? std::string() : files::read_file(options_.choices_path, max_choices);
+  const Result<Json> read = text ? json::parse_json(*text, options_.choices_path) : fail(text.error());
+  return read && read->is_object() ? text_of(*read) : "{}";
+}
+
+Result<std::string> Session::remember(const Request& request) const {
+  const auto choices = request.json.find("choices");
+  if (choices == request.json.end() || !choices->is_object()) return Request::wrong("choices", "an object");
+  const std::string text = text_of(*choices);
+  if (text.size() > max_choices) return Request::wrong("choices", "shorter than " + std::to_string(max_choices) + " bytes");
+  if (options_.choices_path.empty()) return "";
+  std::error_code ignored;
+  std::filesystem::create_directories(std::filesystem::path(options_.choices_path).parent_path(),
+                                      ignored);  // writing says it, if this failed
+  if (Result<void> written = files::write_file(options_.choices_path, text + "\n"); !written) return fail(std::move(written.error()));
+  return "";
 }
 
 Result<void> Session::check_transport(const Request& request) const {

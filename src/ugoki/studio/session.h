@@ -24,6 +24,7 @@ namespace ugoki::studio {
 
 struct SessionOptions {
   std::string library_path;  ///< where commands fetch mechanisms and motions from; empty: nowhere
+  std::string choices_path;  ///< file that keeps the user's keymap, theme and view; empty: they last as long as the page
   InterpreterProgram interpreter;
   std::chrono::milliseconds patience{10'000};  ///< with an interpreter that does not answer
 };
@@ -73,6 +74,8 @@ class Session {
   [[nodiscard]] Result<std::string> execute(const Request& request);
   [[nodiscard]] Result<std::string> undo_or_redo(bool undo);
   [[nodiscard]] Result<std::string> save(const Request& request);
+  [[nodiscard]] std::string choices() const;
+  [[nodiscard]] Result<std::string> remember(const Request& request) const;
   [[nodiscard]] Result<void> check_transport(const Request& request) const;
   [[nodiscard]] Result<void> forward(const Request& request);
 

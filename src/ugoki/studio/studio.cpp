@@ -67,7 +67,8 @@ class LateOutbox final : public Outbox {
 class Studio::Impl final : public ServerEvents {
  public:
   Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
-    const SessionOptions session{options.library_path, options.interpreter};
+    const std::string choices = (std::filesystem::path(options.library_path).parent_path() / "choices.json").string();
+    const SessionOptions session{options.library_path, choices, options.interpreter};
     session_ = std::make_unique<Session>(session, std::move(project), outbox_,
                                          [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
     session_queue_ = std::make_unique<TaskQueue>(session_period, [this] { session_->on_time(); });

@@ -121,6 +121,13 @@ export function apply_command(doc: ScenarioDocument, command: Command): Scenario
       const { type: _type, character, id, ...fields } = command;
       return map_character(doc, character, (c) => ({ ...c, track: c.track.map((k) => (k.id === id ? { ...k, ...fields } : k)) }));
     }
+    case 'clip.add': {
+      const { type: _type, character, id, offset, length, speed, blend, loop, motion, start } = command;
+      // what the service fills in is not known here
+      if (id === undefined || offset === undefined || length === undefined || speed === undefined || blend === undefined || loop === undefined) return doc;
+      const clip = { id, motion, start, length, offset, speed, blend, loop };
+      return map_character(doc, character, (c) => ({ ...c, track: [...c.track, clip].sort((a, b) => a.start - b.start) }));
+    }
     case 'clip.remove':
       return map_character(doc, command.character, (c) => ({ ...c, track: c.track.filter((k) => k.id !== command.id) }));
     case 'character.set': {

@@ -18,6 +18,8 @@ export interface CharacterInfo {
   mechanism: string;
   /** Number of links, or their names: frames hold one pose for each. */
   links: number | string[];
+  /** How fast the track still moves it where it ends, m/s. */
+  end_speed?: number;
 }
 
 export interface ProjectInfo {
@@ -78,7 +80,8 @@ export interface DocumentState {
 export interface HelloReply extends DocumentState {
   project: ProjectInfo;
   transport: Transport;
-  keymap?: string;
+  /** What `remember` kept; of another version, or edited by hand: not to be trusted. */
+  choices?: unknown;
   circuit?: CircuitData | null;
 }
 
@@ -106,6 +109,7 @@ export type Request =
   | { op: 'command'; command: Command }
   | { op: 'undo' | 'redo' | 'pause' | 'restart' | 'release' }
   | { op: 'save'; path?: string; overwrite?: boolean }
+  | { op: 'remember'; choices: object }
   | { op: 'mode'; mode: Mode }
   | { op: 'play'; speed?: number }
   | { op: 'step'; frames: 1 | -1 }

@@ -16,14 +16,13 @@ import {
   type ServiceEvent,
   type Vec3,
 } from './protocol';
-import { initial_state, valid_selection, type Selection, type StudioState, type Toast } from './state';
+import { initial_state, read_choices, valid_selection, type Selection, type StudioState, type Toast } from './state';
 
 const log_capacity = 500;
 
 export interface SessionOptions {
   make_socket: () => SocketLike;
   fetch: (path: string, init?: RequestInit) => Promise<Response>;
-  storage?: Pick<Storage, 'getItem' | 'setItem'>;
 }
 
 export class Session {
@@ -40,7 +39,7 @@ export class Session {
   private readonly fetching = new Set<string>();
 
   constructor(private readonly options: SessionOptions) {
-    this.store = createStore<StudioState>(() => ({ ...initial_state, ...this.remembered() }));
+    this.store = createStore<StudioState>(() => initial_state);
     this.client = new Client(options.make_socket, {
       connected: (hello) => this.connected(hello),
       disconnected: (retry_ms) => this.set({ connection: 'lost', retry_at: Date.now() + retry_ms }),
@@ -116,15 +115,29 @@ export class Session {
     this.send({ op: 'redo' });
   }
 
-  save(path?: string): void {
-    this.request(path ? { op: 'save', path } : { op: 'save' }).then(
-      (reply) => {
-        const project = (reply?.project as StudioState['project']) ?? this.state.project;
-        if (project) this.set({ project: { ...project, unsaved: false } });
-        if (reply) this.notify(`Saved ${project?.name ?? ''}`.trim());
-      },
-      () => undefined,
-    );
+  save(): void {
+    void this.request({ op: 'save' }).then((reply) => reply && this.saved(reply));
+  }
+
+  /** `taken`: a file of this name exists already and `overwrite` was not asked for. Nothing was written unless it is `saved`. */
+  async save_as(path: string, overwrite: boolean): Promise<'saved' | 'taken' | 'failed'> {
+    try {
+      this.saved(await this.client.request({ op: 'save', path, overwrite }));
+      return 'saved';
+    } catch (error) {
+      if (!overwrite && error instanceof RequestError && error.problems[0]?.code === 'conflict') return 'taken';
+      this.fail(error as Error);
+      return 'failed';
+    }
+  }
+
+  private saved(reply: Record<string, unknown>): void {
+    const { project } = this.state;
+    if (!project) return;
+    const path = typeof reply.path === 'string' ? reply.path : project.path;
+    const name = path.split('/').pop() || project.name;
+    this.set({ project: { ...project, path, name, unsaved: false } });
+    this.notify(`Saved ${name}`);
   }
 
   private drop_preview(): void {
@@ -290,24 +303,10 @@ export class Session {
     this.set({ log: [...this.state.log.slice(-log_capacity + 1), line] });
   }
 
-  /** Keeps a choice of this browser. */
+  /** Keeps keymap, theme and view for the next page and the next start of the studio. */
   remember(): void {
     const { keymap, theme, view } = this.state;
-    this.options.storage?.setItem('ugoki.choices', JSON.stringify({ keymap, theme, view }));
-  }
-
-  private remembered(): Partial<StudioState> {
-    try {
-      const text = this.options.storage?.getItem('ugoki.choices');
-      const saved = text ? (JSON.parse(text) as Partial<StudioState>) : {};
-      return {
-        keymap: saved.keymap === 'blender' ? 'blender' : 'industry',
-        theme: saved.theme === 'light' ? 'light' : 'dark',
-        view: { ...initial_state.view, ...saved.view, follow: false },
-      };
-    } catch {
-      return {};
-    }
+    this.client.request({ op: 'remember', choices: { keymap, theme, view } }).catch(() => undefined); // it still counts in this page
   }
 
   private toast(level: Toast['level'], problems: Problem[]): void {
@@ -347,8 +346,10 @@ export class Session {
 
   private connected(hello: HelloReply): void {
     this.take_document(hello);
+    const first = this.state.connection === 'connecting';
+    if (first) this.set(read_choices(hello.choices));
     const view = { ...this.state.view };
-    if (this.state.connection === 'connecting' && hello.document.camera?.follow) view.follow = true;
+    if (first && hello.document.camera?.follow) view.follow = true;
     this.set({
       connection: 'open',
       project: hello.project,

@@ -104,6 +104,17 @@ export const initial_state: StudioState = {
   import_report: null,
 };
 
+/** What the user chose in another page or at another time; whatever it is, only known words count. */
+export function read_choices(choices: unknown): Pick<StudioState, 'keymap' | 'theme' | 'view'> {
+  const { keymap, theme, view } = (typeof choices === 'object' && choices !== null ? choices : {}) as Record<string, unknown>;
+  const kept = { ...initial_state.view };
+  for (const key of Object.keys(kept) as (keyof ViewOptions)[]) {
+    const value = (view as Record<string, unknown> | null | undefined)?.[key];
+    if (typeof value === 'boolean' && key !== 'follow') kept[key] = value;
+  }
+  return { keymap: keymap === 'blender' ? 'blender' : 'industry', theme: theme === 'light' ? 'light' : 'dark', view: kept };
+}
+
 /** The document to draw. */
 export const shown_document = (state: StudioState): ScenarioDocument | null => state.preview ?? state.document;
 

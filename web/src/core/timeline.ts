@@ -1,5 +1,5 @@
 /** The scenario panel's arithmetic: time and pixels, snapping, and what a drag of a clip's body or edge means. */
-import type { Clip, ClipFields, ScenarioDocument } from './document';
+import { track_end, type Character, type Clip, type ClipFields, type Command, type ScenarioDocument } from './document';
 
 /** Which part of time a panel shows. */
 export interface TimeView {
@@ -159,4 +159,23 @@ export function changed_fields(clip: Clip, fields: ClipFields): ClipFields | nul
   const out: Record<string, unknown> = {};
   for (const [key, value] of Object.entries(fields)) if (clip[key as keyof Clip] !== value) out[key] = value;
   return Object.keys(out).length > 0 ? (out as ClipFields) : null;
+}
+
+/** Where and how fast a track leaves its figure in the middle of a movement (after that it holds one pose, and falls); else null. */
+export function ends_moving(character: Character, end_speed: number | undefined, duration: number): { time: number; speed: number } | null {
+  const time = track_end(character);
+  if (character.control.mode !== 'track' || end_speed === undefined || end_speed < 0.25 || time <= 0 || time > duration - 0.1) return null;
+  return { time, speed: end_speed };
+}
+
+/** Takes `clip` off one character's track and puts it on another's at `start`, as one step of undo. */
+export function move_clip(clip: Clip, from: string, to: string, start: number): Command {
+  return {
+    type: 'group',
+    label: 'Move clip to another track',
+    commands: [
+      { type: 'clip.remove', character: from, id: clip.id },
+      { ...clip, type: 'clip.add', character: to, start },
+    ],
+  };
 }

@@ -159,7 +159,7 @@ export function ScenarioPanel(): ReactElement {
         <div className="lane-size" ref={lanes} />
         {doc.characters.map((character) => (
           <div key={character.id} onDragOver={(e) => drag_over(e, character.id)}>
-            <Track character={character} view={view} on_guide={set_guide} ghost={ghost?.character === character.id ? ghost : null} />
+            <Track character={character} view={view} on_guide={set_guide} ghost={ghost?.character === character.id ? ghost : null} on_ghost={set_ghost} />
           </div>
         ))}
         <EventTrack doc={doc} view={view} on_guide={set_guide} />

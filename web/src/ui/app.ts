@@ -19,18 +19,9 @@ function socket_address(): string {
   return address.href;
 }
 
-function storage(): Storage | undefined {
-  try {
-    return window.localStorage;
-  } catch {
-    return undefined; // switched off in this browser
-  }
-}
-
 export const session = new Session({
   make_socket: () => new WebSocket(socket_address()) as unknown as SocketLike,
   fetch: (path, init) => fetch(with_token(path), init),
-  storage: storage(),
 });
 
 /** Small canvases are drawn by the processor: sent to a busy graphics processor they would make the page wait. */

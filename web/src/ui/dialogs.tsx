@@ -21,7 +21,16 @@ function Backdrop({ children, label, top }: { children: ReactElement; label: str
     return () => (before.current as HTMLElement | null)?.focus?.();
   }, []);
   return (
-    <div className={top ? 'backdrop top' : 'backdrop'} onPointerDown={(e) => e.target === e.currentTarget && close()}>
+    <div
+      className={top ? 'backdrop top' : 'backdrop'}
+      onPointerDown={(e) => e.target === e.currentTarget && close()}
+      onKeyDown={(e) => {
+        if (e.key !== 'Escape') return;
+        e.preventDefault(); // a field keeps its keys from the page's own list
+        e.stopPropagation();
+        close();
+      }}
+    >
       <div className="dialog" role="dialog" aria-modal="true" aria-label={label}>
         {children}
       </div>
@@ -112,6 +121,7 @@ const mouse: Record<'industry' | 'blender', [string, string][]> = {
 const mouse_both: [string, string][] = [
   ['Pull a figure', 'press on it while it simulates'],
   ['Place a figure', 'drag the selected one, in Edit'],
+  ['Move a clip', 'drag it, also onto another track'],
   ['Trim a clip', 'drag its edge; Alt stretches it'],
   ['Slip the motion', 'Alt + drag the clip'],
   ['Finer · snap off', 'Shift · Ctrl while dragging'],
@@ -183,11 +193,16 @@ function Keys(): ReactElement {
 function SaveAs(): ReactElement {
   const path = useStudio((s) => s.project?.path ?? '');
   const [text, set_text] = useState(path);
-  const save = (): void => {
-    const to = text.trim();
-    if (!to) return;
-    close();
-    session.save(/\.ugoki$/.test(to) ? to : `${to}.ugoki`);
+  /** The file that exists already, until the path is changed. */
+  const [taken, set_taken] = useState<string | null>(null);
+  const save = async (): Promise<void> => {
+    const name = text.trim();
+    if (!name) return;
+    const to = /\.ugoki$/.test(name) ? name : `${name}.ugoki`;
+    // saving over the open project itself is no loss
+    const outcome = await session.save_as(to, to === taken || to === path);
+    if (outcome === 'saved') close();
+    if (outcome === 'taken') set_taken(to);
   };
   return (
     <Backdrop label="Save as" top>
@@ -195,14 +210,31 @@ function SaveAs(): ReactElement {
         className="save-as"
         onSubmit={(e) => {
           e.preventDefault();
-          save();
+          void save();
         }}
       >
         <label htmlFor="save-path">Save the project as</label>
-        <input id="save-path" autoFocus value={text} placeholder="folder/name.ugoki" spellCheck={false} onFocus={(e) => e.target.select()} onChange={(e) => set_text(e.target.value)} />
+        <input
+          id="save-path"
+          autoFocus
+          value={text}
+          placeholder="folder/name.ugoki"
+          spellCheck={false}
+          aria-describedby={taken ? 'save-taken' : undefined}
+          onFocus={(e) => e.target.select()}
+          onChange={(e) => {
+            set_text(e.target.value);
+            set_taken(null);
+          }}
+        />
+        {taken && (
+          <p id="save-taken" className="taken" role="alert">
+            <strong>{taken.split('/').pop()}</strong> exists already. Replacing it loses what it holds.
+          </p>
+        )}
         <div className="actions">
           <button type="button" onClick={close}>Cancel</button>
-          <button type="submit" className="primary" disabled={!text.trim()}>Save</button>
+          <button type="submit" className="primary" disabled={!text.trim()}>{taken ? 'Replace' : 'Save'}</button>
         </div>
       </form>
     </Backdrop>

@@ -2,7 +2,8 @@ import { useLayoutEffect, useRef, type ReactElement } from 'react';
 import { FigureState } from '../core/frames';
 import { apply_command, blend_spans, find_character, type Character, type Clip, type ScenarioDocument, type ScenarioEvent } from '../core/document';
 import { format_number, format_time } from '../core/format';
-import { changed_fields, drag_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
+import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
+import { shown_document } from '../core/state';
 import { plain_canvas, session, usePage, useStudio } from './app';
 
 const edge_px = 7;
@@ -48,8 +49,8 @@ const snap_rules = (doc: ScenarioDocument, exclude: string, tolerance: number): 
 interface DragSetup {
   event: React.PointerEvent<HTMLElement>;
   scale: number;
-  /** Shows the state after `delta` s; the pointer's modifiers choose snapping. */
-  move: (delta: number, rules: (doc: ScenarioDocument, exclude: string) => SnapRules) => void;
+  /** Shows the state after `delta` s; the pointer's modifiers choose snapping, `over` is what it is above. */
+  move: (delta: number, rules: (doc: ScenarioDocument, exclude: string) => SnapRules, over: Element | null) => void;
   /** Sends it. */
   done: () => void;
   cancel: () => void;
@@ -71,7 +72,7 @@ function start_drag({ event, scale, move, done, cancel }: DragSetup): void {
     last = e.clientX;
     if (!dragging && Math.abs(e.clientX - event.clientX) < drag_px) return;
     dragging = true;
-    move(travelled / scale, rules_of(e));
+    move(travelled / scale, rules_of(e), document.elementFromPoint(e.clientX, e.clientY));
   };
   const stop = (): void => {
     target.removeEventListener('pointermove', on_move);
@@ -104,17 +105,22 @@ interface TrackProps {
   view: TimeView;
   on_guide: (time: number | null) => void;
   ghost: DropGhost | null;
+  /** A clip of this track hovers over another one, or no longer does. */
+  on_ghost: (ghost: DropGhost | null) => void;
 }
 
-export function Track({ character, view, on_guide, ghost }: TrackProps): ReactElement {
+export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps): ReactElement {
   const selection = useStudio((s) => s.selection);
   const blends = blend_spans(character.track);
   const state = usePage((s) => s.figure_states[character.id]);
   const library = useStudio((s) => s.library);
+  const end_speed = useStudio((s) => s.characters.find((c) => c.id === character.id)?.end_speed);
+  const duration = useStudio((s) => shown_document(s)?.duration ?? 0);
+  const unfinished = ends_moving(character, end_speed, duration);
   const chosen = selection.kind === 'character' && selection.character === character.id;
   const active = chosen || (selection.kind === 'clip' && selection.character === character.id);
   return (
-    <div className={active ? 'track active' : 'track'}>
+    <div className={active ? 'track active' : 'track'} data-character={character.id}>
       <button
         type="button"
         className="track-name"
@@ -148,6 +154,7 @@ export function Track({ character, view, on_guide, ghost }: TrackProps): ReactEl
               covered={Math.max(0, ...blends.filter((b) => b.into === clip.id).map((b) => b.to - b.from))}
               selected={selection.kind === 'clip' && selection.clip === clip.id && selection.character === character.id}
               on_guide={on_guide}
+              on_ghost={on_ghost}
             />
           );
         })}
@@ -163,6 +170,16 @@ export function Track({ character, view, on_guide, ghost }: TrackProps): ReactEl
             <path d="M0 0L10 10M0 10L10 0" vectorEffect="non-scaling-stroke" />
           </svg>
         ))}
+        {unfinished && (
+          <span
+            className="unfinished"
+            role="note"
+            style={{ left: time_to_x(view, unfinished.time) }}
+            title="After its last clip a figure holds the last pose. Let the track end in a motion that stands still, or loop the last clip to the end."
+          >
+            ends at {format_number(unfinished.speed, 1)} m/s: it will fall
+          </span>
+        )}
         {ghost && (
           <div className={ghost.refused ? 'clip drop refused' : 'clip drop'} style={{ left: time_to_x(view, ghost.start), width: Math.max(8, ghost.length * view.scale) }}>
             <span className="clip-name">{ghost.refused ? `${ghost.name}: for another mechanism` : ghost.name}</span>
@@ -184,9 +201,10 @@ interface ClipBoxProps {
   covered: number;
   selected: boolean;
   on_guide: (time: number | null) => void;
+  on_ghost: (ghost: DropGhost | null) => void;
 }
 
-function ClipBox({ character, clip, name, motion_duration, view, covered, selected, on_guide }: ClipBoxProps): ReactElement {
+function ClipBox({ character, clip, name, motion_duration, view, covered, selected, on_guide, on_ghost }: ClipBoxProps): ReactElement {
   const width = Math.max(4, clip.length * view.scale);
 
   const kind_at = (event: React.PointerEvent<HTMLElement>): ClipDragKind => {
@@ -206,22 +224,33 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
     const origin = document && find_character(document, character)?.track.find((k) => k.id === clip.id);
     if (!document || !origin) return;
     let fields: ReturnType<typeof changed_fields> = null;
+    let other: DropGhost | null = null; // on another character's track
     start_drag({
       event,
       scale: view.scale,
-      move: (delta, rules) => {
+      move: (delta, rules, over) => {
         const result = drag_clip(origin, kind, delta, rules(document, clip.id), motion_duration);
-        fields = changed_fields(origin, result.fields);
         on_guide(result.at);
+        const under = kind === 'move' ? over?.closest<HTMLElement>('[data-character]')?.dataset.character : undefined;
+        const target = under !== undefined && under !== character ? find_character(document, under) : undefined;
+        const fits = target?.mechanism === find_character(document, character)?.mechanism;
+        other = target ? { entry: clip.motion, character: target.id, start: result.fields.start ?? clip.start, length: clip.length, refused: !fits, name } : null;
+        on_ghost(other);
+        fields = other ? null : changed_fields(origin, result.fields);
         session.show_preview(fields ? apply_command(document, { type: 'clip.set', character, id: clip.id, ...fields }) : null);
       },
       done: () => {
         on_guide(null);
-        if (fields) void session.edit({ type: 'clip.set', character, id: clip.id, ...fields });
+        on_ghost(null);
+        if (other && !other.refused) {
+          const { character: to, start } = other;
+          void session.edit(move_clip(origin, character, to!, start)).then((ok) => ok && session.select({ kind: 'clip', character: to!, clip: origin.id }));
+        } else if (fields) void session.edit({ type: 'clip.set', character, id: clip.id, ...fields });
         else session.show_preview(null);
       },
       cancel: () => {
         on_guide(null);
+        on_ghost(null);
         session.show_preview(null);
       },
     });
