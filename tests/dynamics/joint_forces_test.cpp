@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "integrator_scenes.h"
@@ -119,6 +120,43 @@ TEST(JointForces, SlopesAreTheirDerivatives) {
       calc_joint_forces(*m, q, s.v, {}, options, low);
       unit[i] = 0;
       EXPECT_NEAR((high[i] - low[i]) / (2 * h), dq[i], 1e-4 * (1 + std::fabs(dq[i]))) << "seed " << seed;
+    }
+  }
+}
+
+TEST(OpenSystem, JacobianIsTheSlopeOfItsAcceleration) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    MechanismSpec spec = sprung(seed, true)->spec();
+    for (LinkSpec& l : spec.links)
+      if (l.joint.type == JointType::spherical) l.joint.type = JointType::universal;  // the slopes of those are exact
+    const MechanismPtr m = Mechanism::make(std::move(spec)).value();
+    const State s = start_of(m, seed);
+    OpenSystem system(m, {.joint_forces = {}, .exact_jacobian = true});
+    system.drive = s.tau;
+    const std::size_t n = s.v.size();
+    std::vector<double> dq(n * n), dv(n * n), high(n), low(n), q(s.q.size()), unit(n);
+    ASSERT_TRUE(system.calc_acceleration_jacobian(0, s.q, s.v, dq, dv));
+    double scale = 1;
+    for (const double x : dq) scale = std::max(scale, std::fabs(x));
+    for (std::size_t j = 0; j < n; ++j) {
+      const double h = 1e-6;
+      const auto expect_column = [&](std::span<const double> wanted, const char* what) {
+        for (std::size_t i = 0; i < n; ++i)
+          EXPECT_NEAR((high[i] - low[i]) / (2 * h), wanted[i * n + j], 1e-5 * scale) << "seed " << seed << what << i << " " << j;
+      };
+      unit[j] = 1;
+      integrate(*m, s.q, unit, h, q);
+      ASSERT_EQ(system.calc_acceleration(0, q, s.v, high), -1);
+      integrate(*m, s.q, unit, -h, q);
+      ASSERT_EQ(system.calc_acceleration(0, q, s.v, low), -1);
+      unit[j] = 0;
+      expect_column(dq, " dq ");
+      std::vector<double> v = s.v;
+      v[j] += h;
+      ASSERT_EQ(system.calc_acceleration(0, s.q, v, high), -1);
+      v[j] -= 2 * h;
+      ASSERT_EQ(system.calc_acceleration(0, s.q, v, low), -1);
+      expect_column(dv, " dv ");
     }
   }
 }
