@@ -53,6 +53,12 @@ double greatest(std::span<const double> x) {
   return most;
 }
 
+std::vector<double> loop_forces(const Mechanism& m, ClosedWorkspace& cw, std::span<const double> tau, std::span<const double> vdot) {
+  std::vector<double> out(static_cast<std::size_t>(cw.rows.count()));
+  calc_loop_forces(m, cw, tau, gravity_y, {}, vdot, out);
+  return out;
+}
+
 TEST(ClosedReference, RandomSystemsMoveAsFreeBodiesUnderConditionsDo) {
   for (unsigned seed = 1; seed <= 80; ++seed) {
     SCOPED_TRACE(seed);
@@ -226,6 +232,63 @@ TEST(ClosedReference, AndrewsMechanismStartsWithThePublishedAccelerationsAndForc
     EXPECT_NEAR(on_k2.x, -98.5668703962410896057654982170, 1e-8);
     EXPECT_NEAR(on_k2.y, 6.12268834425566265503114393122, 1e-8);
   }
+}
+
+// A loop cut at a virtual link, a second body for the rocker without mass, is the same pin.
+TEST(ClosedReference, AVirtualLinkClosesALoopAsAPinDoes) {
+  const ClosedCase c = four_bar({}, 0.7, 2);
+  MechanismSpec spec = c.mechanism->spec();
+  spec.loops.clear();
+  LinkSpec twin = hinged("rocker's end", "coupler", 1.0, 0, {});
+  twin.real = "rocker";
+  twin.X_RV.p = {0.8, 0, 0};
+  spec.links.push_back(twin);
+  const MechanismPtr m = Mechanism::make(spec).value();
+  std::vector<double> q = c.q, v = c.v, tau{1, 0.3, -0.2}, vdot(3), with_twin(4);
+  ClosedWorkspace pinned(*c.mechanism), cut(*m);
+  update_closed(*c.mechanism, q, v, pinned);
+  ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*c.mechanism, pinned, tau, gravity_y, {}, vdot));
+  const std::vector<double> force = loop_forces(*c.mechanism, pinned, tau, vdot);
+  q.push_back(q[2] - q[0] - q[1]);
+  v.push_back(v[2] - v[0] - v[1]);
+  tau.push_back(0);
+  update_closed(*m, q, v, cut);
+  EXPECT_EQ(cut.freedoms(), 1);
+  ASSERT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*m, cut, tau, gravity_y, {}, with_twin));
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(with_twin[i], vdot[i], 1e-11 * greatest(vdot));
+  const std::vector<double> twin_force = loop_forces(*m, cut, tau, with_twin);
+  Vec3 on_rocker, on_twin;  // the pin's link b is the rocker, the weld's link b the virtual link on the coupler's side
+  for (std::size_t r = 0; r < 3; ++r) {
+    on_rocker += pinned.rows.W[r].v * force[r];
+    on_twin += cut.rows.W[r].v * twin_force[r];
+  }
+  EXPECT_LT(norm(on_rocker + on_twin), 1e-10 * norm(on_rocker));
+}
+
+TEST(ClosedReference, RankDoesNotDependOnTheUnitOfLength) {
+  for (const double scale : {1e-4, 1.0, 1e4}) {
+    ClosedCase c = slider_crank(0.3 * scale, scale, 0.4, 1);
+    ClosedWorkspace cw(*c.mechanism);
+    EXPECT_EQ(find_full_rank(*c.mechanism, c.q, cw), 2) << scale;
+    update_closed(*c.mechanism, c.q, c.v, cw);
+    EXPECT_EQ(cw.freedoms(), 1) << scale;
+    EXPECT_LT(greatest(cw.K), 4) << scale;
+  }
+}
+
+TEST(ClosedReference, NumbersThatAreNotFiniteAreRefusedAndForgotten) {
+  const ClosedCase c = four_bar({}, 0.7, 2);
+  ClosedWorkspace cw(*c.mechanism);
+  const std::vector<double> tau(3);
+  std::vector<double> vdot(3), q = c.q, first(3);
+  ASSERT_TRUE(calc_closed_acceleration(*c.mechanism, cw, c.q, c.v, tau, gravity_y, {}, first));
+  for (std::size_t i = 0; i < 3; ++i) {
+    q = c.q;
+    q[i] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(calc_closed_acceleration(*c.mechanism, cw, q, c.v, tau, gravity_y, {}, vdot));
+  }
+  ASSERT_TRUE(calc_closed_acceleration(*c.mechanism, cw, c.q, c.v, tau, gravity_y, {}, vdot));
+  EXPECT_EQ(vdot, first);
 }
 
 TEST(ClosedReference, GivesTheSameBitsTwice) {

@@ -184,6 +184,7 @@ Closure project_closed_state(const Mechanism& m, std::span<double> q, std::span<
   Closure c = close_theta_S(m, q, cw);
   if (!c.closed) {
     c = close_positions(m, q, cw);
+    if (!c.closed) return c;
     find_full_rank(m, q, cw);
   }
   update_partition(m, cw);

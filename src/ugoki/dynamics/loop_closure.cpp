@@ -121,6 +121,7 @@ Closure measure_gap(const ClosedWorkspace& cw) {
     most = gap;
     c.row = cw.active[i];
     c.gap = std::fabs(cw.rows.gap[static_cast<std::size_t>(c.row)]);
+    if (!std::isfinite(gap)) break;
   }
   c.closed = most <= accepted_gap;
   return c;
