@@ -11,5 +11,6 @@ void fuzz_asf(const std::uint8_t* data, std::size_t size);
 void fuzz_amc(const std::uint8_t* data, std::size_t size);
 void fuzz_mechanism(const std::uint8_t* data, std::size_t size);
 void fuzz_motion(const std::uint8_t* data, std::size_t size);
+void fuzz_mjcf(const std::uint8_t* data, std::size_t size);
 
 }  // namespace ugoki

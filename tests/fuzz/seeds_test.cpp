@@ -34,6 +34,7 @@ TEST(FuzzSeeds, Asf) { run("asf", fuzz_asf); }
 TEST(FuzzSeeds, Amc) { run("amc", fuzz_amc); }
 TEST(FuzzSeeds, Mechanism) { run("mechanism", fuzz_mechanism); }
 TEST(FuzzSeeds, Motion) { run("motion", fuzz_motion); }
+TEST(FuzzSeeds, Mjcf) { run("mjcf", fuzz_mjcf); }
 
 }  // namespace
 }  // namespace ugoki

@@ -427,10 +427,11 @@ TEST(MjcfMesh, AbsentOnes) {
   ASSERT_FALSE(refused.has_value());
   EXPECT_NE(refused.error().text().find("'m.stl'"), std::string::npos) << refused.error().text();
   RobotOptions weightless;
-  weightless.weightless_meshes = true;
+  weightless.meshes = Meshes::none;
   const auto taken = read_mjcf(weighs, "m.xml", weightless);
   ASSERT_TRUE(taken.has_value()) << taken.error().text();
   EXPECT_NEAR(taken->mechanism->mass(), 4.0 / 3.0 * pi, 1e-12);
+  EXPECT_TRUE(has_note(*taken, "their mass is missing"));
 }
 
 TEST(Mjcf, NotesTellWhatIsLeftOut) {

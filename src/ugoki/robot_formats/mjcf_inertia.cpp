@@ -31,8 +31,8 @@ Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
   }
 }
 
-/// The mesh of a geom that has points; otherwise null, and what to say about it is said.
-MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom, const RobotOptions& options) {
+/// The mesh of a geom; null, with a problem, where it has no points.
+MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom) {
   MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
   if (!mesh) {
     geom.element.problem(ErrorCode::unknown, "no mesh is named " + formats::in_quotes(geom.mesh) + ".",
@@ -40,12 +40,9 @@ MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom, const Robo
     return nullptr;
   }
   if (mesh->absent.empty()) return mesh;
-  if (options.weightless_meshes)
-    geom.element.note("A mesh that is not there weighs nothing.");
-  else
-    geom.element.problem(ErrorCode::io,
-                         "the mass of the body " + formats::in_quotes(body.name) + " comes from a mesh, but " + mesh->absent + ".",
-                         "Put the file there, give the body an <inertial>, or allow that absent meshes weigh nothing.");
+  geom.element.problem(ErrorCode::io,
+                       "the mass of the body " + formats::in_quotes(body.name) + " comes from a mesh, but " + mesh->absent + ".",
+                       "Put the file there, give the body an <inertial>, or leave meshes out: they then weigh nothing.");
   return nullptr;
 }
 
@@ -60,8 +57,12 @@ std::optional<Inertia> geom_inertia(MjcfBody& body, const MjcfGeom& geom, const 
   }
   Inertia unit;
   if (geom.type == MjcfGeomType::mesh) {
-    const MjcfMeshAsset* const mesh = mesh_for_inertia(body, geom, options);
-    if (!mesh) return options.weightless_meshes ? std::optional(Inertia{}) : std::nullopt;
+    if (options.meshes == Meshes::none) {
+      geom.element.note("Meshes are left out; their mass is missing.");
+      return Inertia{};
+    }
+    const MjcfMeshAsset* const mesh = mesh_for_inertia(body, geom);
+    if (!mesh) return std::nullopt;
     unit = mesh_inertia(mesh->points, mesh->triangles, mesh->kind);
     if (unit.mass < least_volume && geom.density > 0) {
       geom.element.problem(ErrorCode::structure, "its mesh " + formats::in_quotes(geom.mesh) + " encloses no volume, or is inside out.",

@@ -35,7 +35,8 @@ struct RobotModel {
 
 /// How the base of the tree is joined to the world where the file leaves it open.
 enum class Base { by_file, fixed, floating };
-/// Meshes that collide: taken as the box around them, demanded (a missing one is an error), or left out.
+/// Meshes that collide: taken as the box around them, demanded (a missing one is an error), or left out. Where a body's mass
+/// comes from a mesh (MJCF) a missing one is an error as well, unless meshes are left out: then it weighs nothing.
 enum class Meshes { box, require, none };
 /// Inertia that no body can have: moved to the nearest possible one with a note, or refused.
 enum class Inertias { repair, strict };
@@ -52,7 +53,6 @@ struct RobotOptions {
   Base base = Base::by_file;
   Meshes meshes = Meshes::box;
   Inertias inertias = Inertias::repair;
-  bool weightless_meshes = false;      ///< MJCF: an absent mesh from which a body's mass would come weighs nothing; otherwise refused
   std::optional<SideFile> loops = {};  ///< URDF, SDF: YAML that names loops (loops_yaml.h)
   AssetReader read_asset = {};         ///< absent: no file beside the description is read
 };
