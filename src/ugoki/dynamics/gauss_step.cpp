@@ -21,6 +21,7 @@ constexpr double basis[3][3] = {
     {c[0] * c[2] / ((c[1] - c[0]) * (c[1] - c[2])), -(c[0] + c[2]) / ((c[1] - c[0]) * (c[1] - c[2])), 1 / ((c[1] - c[0]) * (c[1] - c[2]))},
     {c[0] * c[1] / ((c[2] - c[0]) * (c[2] - c[1])), -(c[0] + c[1]) / ((c[2] - c[0]) * (c[2] - c[1])), 1 / ((c[2] - c[0]) * (c[2] - c[1]))}};
 constexpr int max_iterations = 60;
+constexpr double noise = 1e-9;  // part of a step's change below which an iteration that stalls is taken as solved
 
 class GaussLegendre final : public StepMethod {
  public:
@@ -68,9 +69,11 @@ class GaussLegendre final : public StepMethod {
     const std::size_t n2 = z_.size(), n = n2 / 2;
     const std::span<const double> v0 = f.start_velocity();
     double last_change = 0;
+    bool settled = false;
+    int stalls = 0;
     for (int k = 0; k < max_iterations; ++k) {
       ++f.statistics().iterations;
-      double change = 0;
+      double change = 0, moved = 0;
       for (std::size_t s = 0; s < 3; ++s) {
         for (std::size_t i = 0; i < n2; ++i)
           z_[i] = h * (a[s][0] * rates_[i] + a[s][1] * rates_[n2 + i] + a[s][2] * rates_[2 * n2 + i]) + (i < n ? 0.0 : v0[i - n]);
@@ -79,15 +82,18 @@ class GaussLegendre final : public StepMethod {
         for (std::size_t i = 0; i < n2; ++i) {
           const double size = i < n ? 1.0 : 1.0 + std::fabs(v0[i - n]);
           change = std::max(change, h * std::fabs(next_[s * n2 + i] - rates_[s * n2 + i]) / size);
+          moved = std::max(moved, h * std::fabs(next_[s * n2 + i]) / size);
         }
       }
       std::swap(rates_, next_);
-      // at rounding the change no longer shrinks
-      if (change == 0 || (k > 0 && change >= last_change && change < 1e-13)) return {};
-      if (k > 4 && change > 2 * last_change) break;
+      // at rounding, or at the noise of the accelerations, the change no longer shrinks
+      if (k > 0 && change >= last_change) ++stalls;
+      if (change == 0 || (stalls > 0 && change < 1e-13) || (stalls > 1 && change <= noise * moved)) return {};
+      if (k > 4 && change > 2 * last_change && change > noise * moved) break;
       last_change = change;
+      settled = change <= noise * moved;
     }
-    return last_change < 1e-12 ? StepFailure{} : StepFailure{IntegrationStatus::not_converged, -1};
+    return settled ? StepFailure{} : StepFailure{IntegrationStatus::not_converged, -1};
   }
 
   double last_h_ = 0;
