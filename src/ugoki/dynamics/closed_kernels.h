@@ -8,10 +8,6 @@
 namespace ugoki::dynamics {
 
 inline constexpr int loop_lanes = 8;
-/// A pivot below this part of what the row was before eliminations is rounding: the row follows from others. The condensed matrix is
-/// quadratic in the Jacobian, so rows whose angle to the others is below 1e-6 rad count as dependent.
-inline constexpr double dependent_row = 1e-12;
-
 /// The rows of one loop at one place: six components of eight lanes.
 struct alignas(64) LoopColumns {
   double c[6][loop_lanes];
@@ -30,6 +26,7 @@ struct alignas(64) LoopFactor {
   double z[6];
   int order[6];
   int rank;
+  double weakest;  ///< least pivot, as part of the greatest of its kind
 };
 /// Where a node stands and how it moves, in world axes.
 struct NodeMotion {
@@ -38,6 +35,7 @@ struct NodeMotion {
 };
 
 struct ClosedArguments {
+  double dependent;  ///< dependent_row
   const ClosedStructure::Entry* entries;
   const ClosedStructure::Node* nodes;
   const ClosedStructure::Present* present;

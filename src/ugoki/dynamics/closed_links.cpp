@@ -50,8 +50,10 @@ class ClosedSolver {
 
   void update_rows(std::span<const double> q, std::span<const double> v) { update_loop_rows(m_, ws_, c_.loops_, q, v, c_.rows_); }
 
-  bool factor() {
+  bool factor(double dependent) {
+    dependent_ = dependent;
     c_.singular_freedom_ = -1;
+    c_.weakest_ = 1;
     begin_factor();
     for (int node = world_ - 1; node >= 0; --node) {
       ArticulatedInertia& IA = ws_.IA[at(node)];
@@ -245,19 +247,24 @@ class ClosedSolver {
     double* C = c_.C_.data() + 36 * entry;
     int* order = c_.pivots_.data() + e.first;
     for (int i = 0; i < r; ++i) order[i] = i;
-    double diagonal[6], before[6];
+    double diagonal[6], greatest[2] = {};  // positions, rotations
     for (int i = 0; i < r; ++i) {
       diagonal[i] = A[i * r + i];
-      before[i] = diagonal[i] + c_.reduced_[at(e.first + i)];
+      double& scale = greatest[i < e.position_rows ? 0 : 1];
+      scale = std::max(scale, diagonal[i] + c_.reduced_[at(e.first + i)]);
     }
     int& rank = c_.rank_of_[at(entry)];
     for (rank = 0; rank < r; ++rank) {
       const int k = rank;
       int best = k;
-      const auto part = [&](int i) { return before[order[i]] > 0 ? diagonal[order[i]] / before[order[i]] : 0.0; };
+      const auto part = [&](int i) {
+        const double scale = greatest[order[i] < e.position_rows ? 0 : 1];
+        return scale > 0 ? diagonal[order[i]] / scale : 0.0;
+      };
       for (int i = k + 1; i < r; ++i)
         if (part(i) > part(best)) best = i;
-      if (!(part(best) > dependent_row)) break;
+      if (!(part(best) > dependent_)) break;
+      c_.weakest_ = std::min(c_.weakest_, part(best));
       if (best != k) {
         std::swap(order[k], order[best]);
         for (int j = 0; j < k; ++j) std::swap(C[k * r + j], C[best * r + j]);
@@ -379,6 +386,7 @@ class ClosedSolver {
   ClosedLinks& c_;
   const ClosedStructure& x_;
   int world_;
+  double dependent_ = dependent_row;
 };
 
 namespace {
@@ -451,10 +459,10 @@ void ClosedLinks::share_inertias(const Mechanism& m) {
 }
 
 ClosedStatus factor_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> q,
-                                 std::span<const double> v) {
+                                 std::span<const double> v, double dependent) {
   ClosedSolver solver(m, ws, closed);
   solver.update_rows(q, v);
-  return solver.factor() ? ClosedStatus::ok : ClosedStatus::singular_inertia;
+  return solver.factor(dependent) ? ClosedStatus::ok : ClosedStatus::singular_inertia;
 }
 
 void calc_closed_forward_dynamics(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> tau, const Vec3& gravity,
@@ -474,14 +482,18 @@ void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, st
 
 ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
                               double& gap, int limit) {
-  double last = HUGE_VAL;
+  double last = HUGE_VAL, dependent = dependent_correction;
   for (int step = 0;; ++step) {
     update_kinematics(m, q, v, ws);
-    if (factor_closed_links(m, ws, closed, q, v) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
+    if (factor_closed_links(m, ws, closed, q, v, dependent) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
     gap = greatest_gap(closed);
     const double rounding = 1e-16 * (1 + extent(ws));
     if (gap <= 4 * rounding || (gap <= 1e3 * rounding && gap >= 0.5 * last)) return ClosedStatus::ok;
     if (step >= limit || !std::isfinite(gap)) return ClosedStatus::not_closed;
+    if (gap >= 0.5 * last && dependent != dependent_row) {  // what is left needs the directions that were left out
+      dependent = dependent_row;
+      if (factor_closed_links(m, ws, closed, q, v, dependent) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
+    }
     last = gap;
     ClosedSolver solver(m, ws, closed);
     solver.residual_of_position();

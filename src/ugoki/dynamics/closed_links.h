@@ -26,6 +26,13 @@ struct InertiaShare {
   double part;
 };
 
+/// A pivot below this part of the greatest of the loop's rows of its kind is rounding: the row follows from others. The condensed matrix
+/// is quadratic in the Jacobian, so rows whose angle to the others is below 1e-6 rad count as dependent.
+inline constexpr double dependent_row = 1e-12;
+/// The same for corrections. Within an angle d of a singular position a gap of rounding eps would be answered by a correction eps / d
+/// of the position, eps / d^2 of the velocity and eps / d^3 of the acceleration; below 1e-3 rad it is better to wait.
+inline constexpr double dependent_correction = 1e-6;
+
 /// Structure and scratch for one mechanism with loops; caller-owned, one a thread.
 class ClosedLinks {
  public:
@@ -46,6 +53,9 @@ class ClosedLinks {
   [[nodiscard]] std::span<const double> multipliers() const { return multipliers_; }
   /// Independent rows found by the last factorization.
   [[nodiscard]] int rank() const { return rank_; }
+  /// The least pivot of an independent row in the last factorization, as part of the greatest of its kind: the square of an angle that is
+  /// small near a singular position. 1 without loops.
+  [[nodiscard]] double weakest() const { return weakest_; }
   /// The freedom at which the last factorization found no inertia, or -1.
   [[nodiscard]] int singular_freedom() const { return singular_freedom_; }
   /// For each row of rows(): 1 if it took part in the last factorization as an independent one. [rows().count()]
@@ -79,6 +89,7 @@ class ClosedLinks {
   std::vector<double> delta_;  ///< [nv] corrections of the projections
   int rank_ = 0;
   int singular_freedom_ = -1;
+  double weakest_ = 1;
 
   std::unique_ptr<struct ClosedKernelState> kernel_;  ///< of the functions that start from q and v
 };
@@ -101,8 +112,9 @@ enum class ClosedStatus : unsigned char {
 
 /// Rows, articulated inertias and the condensed matrix of the closed loops, at what update_kinematics(q, v) left in `ws`.
 /// Uses ws.IA, U, d. O(links) for loops of bounded size. Allocates nothing.
+/// @param dependent part of the greatest pivot below which a row is left out; the square of an angle
 [[nodiscard]] ClosedStatus factor_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> q,
-                                               std::span<const double> v);
+                                               std::span<const double> v, double dependent = dependent_row);
 
 /// Forward dynamics after factor_closed_links(). @param tau, external as in dynamics.h @param vdot [nv, out]
 /// The multipliers are the forces in the loops.
@@ -113,7 +125,8 @@ void calc_closed_forward_dynamics(const Mechanism& m, Workspace& ws, ClosedLinks
 /// loop. It is what a sudden closing of the loops leaves of v; the multipliers are the impulses.
 void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> v);
 
-/// Moves q until the gaps are at rounding: Newton steps of least kinetic energy. Calls update_kinematics() with `v` and
+/// Moves q until the gaps are at rounding: Newton steps of least kinetic energy; near a singular position, where the gaps allow it,
+/// without the directions that are singular there (dependent_correction). Calls update_kinematics() with `v` and
 /// factors; leaves both at the final q.
 /// @param gap [out] greatest remaining gap, m | rad. @param limit of Newton steps
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,

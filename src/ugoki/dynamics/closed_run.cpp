@@ -121,7 +121,8 @@ class ClosedRun {
             .stride = 1};
   }
   ClosedArguments closed_arguments() {
-    return {.entries = x_.entries.data(),
+    return {.dependent = dependent_row,
+            .entries = x_.entries.data(),
             .nodes = x_.nodes.data(),
             .present = x_.present.data(),
             .pairs = x_.pairs.data(),
@@ -203,12 +204,14 @@ class ClosedRun {
 
   void take_results() {
     links_.rank_ = 0;
+    links_.weakest_ = 1;
     std::ranges::fill(links_.multipliers_, 0.0);
     std::ranges::fill(links_.independent_, char{0});
     for (std::size_t i = 0; i < x_.entries.size(); ++i) {
       const ClosedStructure::Entry& e = x_.entries[i];
       const LoopFactor& F = k_.factor[i];
       links_.rank_ += F.rank;
+      links_.weakest_ = std::min(links_.weakest_, F.weakest);
       for (int k = 0; k < e.rows; ++k) links_.multipliers_[at(x_.row[at(e.first + k)])] = k_.lambda[i].x[k];
       for (int k = 0; k < F.rank; ++k) links_.independent_[at(x_.row[at(e.first + F.order[k])])] = 1;
     }

@@ -57,7 +57,10 @@ class Analysis {
       e.loop = int_of(i);
       e.first = int_of(c_.row.size());
       for (int k = first_row[i]; k < first_row[i + 1]; ++k)
-        if (use_row.empty() || use_row[at(k)]) c_.row.push_back(k);
+        if (use_row.empty() || use_row[at(k)]) {
+          c_.row.push_back(k);
+          if (k < first_row[i] + position_row_count(loop.type)) ++e.position_rows;
+        }
       e.rows = int_of(c_.row.size()) - e.first;
       if (e.rows == 0) continue;
       if (loop.type == LoopType::gear) {

@@ -22,6 +22,7 @@ struct ClosedStructure {
   struct Entry {
     int loop;
     int rows;                  ///< that take part, at most 6
+    int position_rows;         ///< of them, first; the others are about rotations
     int first;                 ///< first of its multipliers
     int meeting;               ///< node where its branches meet
     int present_a, present_b;  ///< it at its own links; -1: gears

@@ -1,12 +1,17 @@
 #include "ugoki/dynamics/closed_system.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ugoki/base/check.h"
 #include "ugoki/dynamics/dynamics.h"
+#include "ugoki/mechanism/state.h"
 
 namespace ugoki::dynamics {
 namespace {
+
+/// weakest() below which accelerations are taken from beside the position: 3e-3 rad.
+constexpr double nearly_singular = 1e-5;
 
 std::vector<char> closed_loops(const ClosedLinks& links) {
   std::vector<char> closed;
@@ -17,10 +22,13 @@ std::vector<char> closed_loops(const ClosedLinks& links) {
 }  // namespace
 
 ClosedSystem::ClosedSystem(MechanismPtr mechanism, const OpenSystemOptions& options)
-    : OpenSystem(std::move(mechanism), options), links_(this->mechanism()) {}
+    : OpenSystem(std::move(mechanism), options), links_(this->mechanism()), q_(static_cast<std::size_t>(this->mechanism().nq())) {
+  for (std::vector<double>* x : {&v_, &a_, &guess_, &mean_}) x->resize(drive.size());
+}
 
 void ClosedSystem::rebuild(std::vector<Loop> loops, std::span<const char> closed) {
   links_ = ClosedLinks(mechanism(), std::move(loops), closed);
+  full_rank_ = 0;
 }
 
 int ClosedSystem::add_loop(Loop loop) {
@@ -59,12 +67,49 @@ void ClosedSystem::open(int loop) {
   rebuild({links_.loops().begin(), links_.loops().end()}, closed);
 }
 
-int ClosedSystem::calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
+int ClosedSystem::accelerate(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
   calc_forces(t, q, v);
   if (calc_closed_forward_dynamics(mechanism(), links_, q, v, forces(), options().gravity, external, vdot) == ClosedStatus::ok) return -1;
   Workspace& ws = workspace();  // which freedom it is
   update_kinematics(mechanism(), q, v, ws);
   return factor_closed_links(mechanism(), ws, links_, q, v) == ClosedStatus::ok ? 0 : links_.singular_freedom();
+}
+
+int ClosedSystem::calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
+  const int singular = accelerate(t, q, v, vdot);
+  if (singular >= 0) return singular;
+  full_rank_ = std::max(full_rank_, links_.rank());
+  if (links_.weakest() > nearly_singular && links_.rank() == full_rank_) return -1;
+  if (accelerate_across(t, q, v, mean_)) std::ranges::copy(mean_, vdot.begin());
+  return -1;
+}
+
+bool ClosedSystem::accelerate_across(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
+  double speed = 0;
+  for (const double x : v) speed = std::max(speed, std::fabs(x));
+  if (!(speed > 1e-6)) return false;
+  const double dt = 0.01 / speed;
+  std::ranges::fill(guess_, 0.0);
+  for (int pass = 0; pass < 3; ++pass) {  // errors of the paths are even in dt: the two distances cancel them
+    std::ranges::fill(vdot, 0.0);
+    for (const double side : {-1.0, 1.0})
+      if (!accelerate_beside(t, side * dt, q, v, 4.0 / 6, vdot) || !accelerate_beside(t, 2 * side * dt, q, v, -1.0 / 6, vdot)) return false;
+    std::ranges::copy(vdot, guess_.begin());
+  }
+  return true;
+}
+
+bool ClosedSystem::accelerate_beside(double t, double dt, std::span<const double> q, std::span<const double> v, double weight,
+                                     std::span<double> sum) {
+  for (std::size_t i = 0; i < v.size(); ++i) a_[i] = v[i] + 0.5 * dt * guess_[i];
+  integrate(mechanism(), q, a_, dt, q_);
+  for (std::size_t i = 0; i < v.size(); ++i) v_[i] = v[i] + dt * guess_[i];
+  double gap = 0;
+  if (project_position(mechanism(), workspace(), links_, q_, v_, gap) != ClosedStatus::ok) return false;
+  project_velocity(mechanism(), workspace(), links_, v_);
+  if (accelerate(t + dt, q_, v_, a_) >= 0) return false;
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * a_[i];
+  return true;
 }
 
 Projection ClosedSystem::project(double /*t*/, std::span<double> q, std::span<double> v) {

@@ -28,6 +28,9 @@ class ClosedSystem : public OpenSystem {
   void open(int loop);
 
   [[nodiscard]] int calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) override;
+  // Within an angle d of a singular position (a dead point, a change point) the loops determine accelerations only up to eps / d^3; there
+  // those a little before and after, extrapolated to the position, are taken, so that the system passes as it would exactly.
+
   /// The exact derivatives are those of open systems.
   [[nodiscard]] bool calc_acceleration_jacobian(double, std::span<const double>, std::span<const double>, std::span<double>,
                                                 std::span<double>) override {
@@ -41,7 +44,15 @@ class ClosedSystem : public OpenSystem {
  private:
   void rebuild(std::vector<Loop> loops, std::span<const char> closed);
 
+  /// calc_acceleration() at a position that is not singular. @return -1 or the singular freedom
+  [[nodiscard]] int accelerate(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot);
+  /// The acceleration in passing a singular position, from those before and after it. @return false where the system rests
+  bool accelerate_across(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot);
+  bool accelerate_beside(double t, double dt, std::span<const double> q, std::span<const double> v, double weight, std::span<double> sum);
+
   ClosedLinks links_;
+  int full_rank_ = 0;  ///< the greatest met
+  std::vector<double> q_, v_, a_, guess_, mean_;
 };
 
 }  // namespace ugoki::dynamics

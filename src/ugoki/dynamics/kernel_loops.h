@@ -184,12 +184,16 @@ class LoopPass {
     const LoopBlock& A = a_.Lambda[e.diagonal];
     LoopFactor& F = a_.factor[x.entry];
     const double* const reduced = a_.reduced[x.entry].x;
-    double diagonal[6], limit[6];
+    double diagonal[6], greatest[2] = {};  // positions, rotations
     for (int i = 0; i < e.rows; ++i) {
       F.order[i] = i;
       diagonal[i] = A.x[i][i];
-      limit[i] = dependent_row * (A.x[i][i] + reduced[i]);
+      double& scale = greatest[i < e.position_rows ? 0 : 1];
+      if (diagonal[i] + reduced[i] > scale) scale = diagonal[i] + reduced[i];
     }
+    double limit[6];
+    for (int i = 0; i < e.rows; ++i) limit[i] = a_.dependent * greatest[i < e.position_rows ? 0 : 1];
+    F.weakest = 1;
     for (F.rank = 0; F.rank < e.rows; ++F.rank) {
       const int k = F.rank;
       int best = k;
@@ -198,6 +202,8 @@ class LoopPass {
         if (!(diagonal[b] > limit[b]) || diagonal[a] * limit[b] > diagonal[b] * limit[a]) best = i;
       }
       if (!(diagonal[F.order[best]] > limit[F.order[best]])) return;
+      const double part = diagonal[F.order[best]] * a_.dependent / limit[F.order[best]];
+      if (part < F.weakest) F.weakest = part;
       if (best != k) {
         const int order = F.order[k];
         F.order[k] = F.order[best];

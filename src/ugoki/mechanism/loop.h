@@ -27,6 +27,8 @@ namespace ugoki {
 enum class LoopType : std::uint8_t { weld, ball, revolute, prismatic, cylindrical, planar, universal, distance, gear };
 
 [[nodiscard]] int row_count(LoopType type);
+/// How many of the rows are about positions; they come first, the others are about rotations.
+[[nodiscard]] int position_row_count(LoopType type);
 [[nodiscard]] std::string_view name_of(LoopType type);
 [[nodiscard]] std::optional<LoopType> loop_type_named(std::string_view name);
 
