@@ -62,7 +62,10 @@ class UrdfReader {
     if (!inertial) return {};
     if (const pugi::xml_node second = inertial.next_sibling("inertial"))
       xml_.problem(second, ErrorCode::duplicate, "the link has two <inertial>.", "Remove one of them.");
-    (void)xml_.required_text(xml_.attribute(inertial.child("mass"), "value"));
+    if (!inertial.child("mass"))
+      xml_.problem(inertial, ErrorCode::syntax, "the <mass> of an <inertial> is missing.", "Add <mass value=\"...\"/> in kg.");
+    else
+      (void)xml_.required_text(xml_.attribute(inertial.child("mass"), "value"));
     const double mass = xml_.number(xml_.attribute(inertial.child("mass"), "value"), 0, not_negative);
     const pugi::xml_node moments = inertial.child("inertia");
     const auto moment = [&](const char* name) { return xml_.number(xml_.attribute(moments, name), 0); };
