@@ -83,6 +83,33 @@ TEST(StepEvents, OnesTogetherAreAllReportedAndTheEarliestFirst) {
   EXPECT_EQ(integrator.advance(3).status, Status::reached);
 }
 
+TEST(StepEvents, AStartOnTheEventIsNone) {
+  Falling system(1);
+  Integrator integrator(system, adaptive(Method::dormand_prince_54, 1e-10));
+  const double ground[] = {0.0}, down[] = {-1.0};
+  integrator.start(0, ground, down);
+  EXPECT_EQ(integrator.advance(1).status, Status::reached);
+}
+
+TEST(StepEvents, AFunctionWithoutValueStopsAtTheLastGoodState) {
+  class Lost final : public OpenSystem {
+   public:
+    Lost() : OpenSystem(testing::sliders(1)) {}
+    int event_count() const override { return 1; }
+    void calc_events(double t, std::span<const double>, std::span<const double>, std::span<double> out) override {
+      out[0] = t > 0.305 ? std::numeric_limits<double>::quiet_NaN() : 1.0;
+    }
+  } system;
+  Integrator integrator(system, fixed(Method::runge_kutta_4, 0.01));
+  const double q[] = {0.0}, v[] = {0.0};
+  integrator.start(0, q, v);
+  const IntegrationReport r = integrator.advance(1);
+  EXPECT_EQ(r.status, Status::not_finite);
+  EXPECT_EQ(r.event, 0);
+  EXPECT_NEAR(r.time, 0.30, 1e-12);
+  EXPECT_NEAR(integrator.q()[0], -0.5 * g * 0.09, 1e-12);
+}
+
 /// A dip below and back within one step is seen; only the direction asked for counts.
 TEST(StepEvents, ShortDipsAndDirections) {
   class Thrown final : public OpenSystem {
@@ -233,9 +260,12 @@ TEST(Failures, NoiseIsNone) {
   } system;
   const double q[] = {1, 1}, v[] = {0, 0};
   for (const Method method : {Method::gauss_legendre_6, Method::radau_iia_5}) {
-    Integrator integrator(system, fixed(method, 1e-3));
+    IntegratorOptions options = fixed(method, 1e-3);
+    options.relative_tolerance = options.absolute_tolerance = 1e-8;
+    Integrator integrator(system, options);
     integrator.start(0, q, v);
-    EXPECT_EQ(integrator.advance(1).status, Status::reached) << static_cast<int>(method);
+    const IntegrationReport r = integrator.advance(1);
+    EXPECT_EQ(r.status, Status::reached) << static_cast<int>(method) << " at " << r.time;
   }
 }
 
