@@ -6,11 +6,6 @@
 namespace ugoki::robot_formats {
 namespace {
 
-constexpr auto joint_words = {std::string_view("free"), std::string_view("ball"), std::string_view("slide"), std::string_view("hinge")};
-constexpr auto geom_words = {std::string_view("plane"),   std::string_view("hfield"),    std::string_view("sphere"),
-                             std::string_view("capsule"), std::string_view("ellipsoid"), std::string_view("cylinder"),
-                             std::string_view("box"),     std::string_view("mesh"),      std::string_view("sdf")};
-
 void read_joint_range(const MjcfSource& source, const MjcfAttributes& a, MjcfJoint& joint) {
   if (joint.type == MjcfJointType::free || !mjcf_limited(source.compiler(), a, "limited", "range")) return;
   double range[2] = {0, 0};
@@ -56,8 +51,9 @@ bool mjcf_limited(const MjcfCompiler& compiler, const MjcfAttributes& a, const c
 MjcfJoint read_mjcf_joint(const MjcfSource& source, const MjcfAttributes& a, const Pose& X_BF) {
   MjcfJoint j;
   j.element = a.own();
-  j.type = j.element.kind() == "freejoint" ? MjcfJointType::free
-                                           : static_cast<MjcfJointType>(a.keyword("type", joint_words, static_cast<int>(j.type)));
+  j.type = j.element.kind() == "freejoint"
+               ? MjcfJointType::free
+               : static_cast<MjcfJointType>(a.keyword("type", {"free", "ball", "slide", "hinge"}, static_cast<int>(j.type)));
   if (j.type == MjcfJointType::slide || j.type == MjcfJointType::hinge) {
     const Vec3 axis = a.vec3("axis", {0, 0, 1});
     if (norm(axis) < 1e-14) j.element.problem(ErrorCode::structure, "its axis has no direction.", "Give an axis that is not zero.");
@@ -114,7 +110,8 @@ Pose read_mjcf_placement(const MjcfSource& source, const MjcfAttributes& a, Mjcf
 MjcfGeom read_mjcf_geom(const MjcfSource& source, const MjcfAttributes& a, const Pose& X_BF) {
   MjcfGeom g;
   g.element = a.own();
-  g.type = static_cast<MjcfGeomType>(a.keyword("type", geom_words, static_cast<int>(g.type)));
+  g.type = static_cast<MjcfGeomType>(
+      a.keyword("type", {"plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"}, static_cast<int>(g.type)));
   g.mesh = a.text("mesh");
   double size[3] = {0, 0, 0};
   (void)a.overlay("size", size, not_negative);
