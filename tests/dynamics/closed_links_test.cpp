@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "allocation_count.h"
 #include "random_loops.h"
+#include "ugoki/dynamics/kernels.h"
 
 namespace ugoki::dynamics {
 namespace {
@@ -300,6 +303,67 @@ TEST(ClosedLinks, VirtualLinkWithoutMassIsTheLoop) {
     EXPECT_NEAR(a[i], direct[i], 1e-10 * (1 + std::fabs(a[i])));
     EXPECT_NEAR(a[i], direct_cut[i], 1e-10 * (1 + std::fabs(a[i])));
   }
+}
+
+TEST(ClosedLinks, SameBitsInEveryWidth) {
+  const SimdWidth widest = widest_simd();
+  for (unsigned seed = 1; seed < 20; ++seed) {
+    RandomLoops c(seed);
+    const std::vector<char> closed(c.loops.size(), 1);
+    ClosedLinks links(*c.m, c.loops, closed);
+    std::vector<double> first(c.state.v.size()), again(c.state.v.size());
+    ASSERT_TRUE(use_simd(SimdWidth::plain));
+    ASSERT_EQ(calc_closed_forward_dynamics(*c.m, links, c.state.q, c.state.v, c.state.tau, gravity, {}, first), ClosedStatus::ok);
+    const std::vector<double> multipliers(links.multipliers().begin(), links.multipliers().end());
+    for (const SimdWidth width : {SimdWidth::avx2, SimdWidth::avx512}) {
+      if (!use_simd(width)) continue;
+      ASSERT_EQ(calc_closed_forward_dynamics(*c.m, links, c.state.q, c.state.v, c.state.tau, gravity, {}, again), ClosedStatus::ok);
+      EXPECT_EQ(std::memcmp(first.data(), again.data(), first.size() * sizeof(double)), 0) << "seed " << seed;
+      EXPECT_EQ(std::memcmp(multipliers.data(), links.multipliers().data(), multipliers.size() * sizeof(double)), 0) << "seed " << seed;
+    }
+    use_simd(widest);
+  }
+}
+
+TEST(ClosedLinks, StepsAllocateNothing) {
+  RandomLoops c(3);
+  const std::vector<char> closed(c.loops.size(), 1);
+  ClosedLinks links(*c.m, c.loops, closed);
+  Workspace ws(*c.m);
+  std::vector<double> vdot(c.state.v.size());
+  double gap = 0;
+  const auto step = [&] {
+    const ClosedStatus near = project_position(*c.m, ws, links, c.state.q, c.state.v, gap);
+    project_velocity(*c.m, ws, links, c.state.v);
+    const ClosedStatus direct = calc_closed_forward_dynamics(*c.m, links, c.state.q, c.state.v, c.state.tau, gravity, {}, vdot);
+    update_kinematics(*c.m, c.state.q, c.state.v, ws);
+    const ClosedStatus factor = factor_closed_links(*c.m, ws, links, c.state.q, c.state.v);
+    calc_closed_forward_dynamics(*c.m, ws, links, c.state.tau, gravity, {}, vdot);
+    return near == ClosedStatus::ok && direct == ClosedStatus::ok && factor == ClosedStatus::ok;
+  };
+  ASSERT_TRUE(step());
+  const auto before = allocations_so_far();
+  ASSERT_TRUE(step());
+  EXPECT_EQ(allocations_so_far(), before);
+}
+
+TEST(ClosedLinks, WhatHasNoInertiaIsNamed) {
+  MechanismSpec spec = four_bar(false);
+  spec.links[1].inertia = {};  // the coupler; its joint moves nothing
+  spec.links.push_back(spec.links[2]);
+  spec.links.back().name = "weight";
+  spec.links.back().parent = "coupler";
+  spec.links.back().joint.type = JointType::fixed;
+  spec.links.back().inertia = {1e-320, {}, {}};
+  const auto made = Mechanism::make(std::move(spec));
+  ASSERT_TRUE(made.has_value()) << made.error().text();
+  ClosedLinks links(**made);
+  Workspace ws(**made);
+  std::vector<double> q = {0.7, -0.4, -1.2}, v(3), vdot(3);
+  EXPECT_EQ(calc_closed_forward_dynamics(**made, links, q, v, {}, gravity, {}, vdot), ClosedStatus::singular_inertia);
+  update_kinematics(**made, q, v, ws);
+  EXPECT_EQ(factor_closed_links(**made, ws, links, q, v), ClosedStatus::singular_inertia);
+  EXPECT_GE(links.singular_freedom(), 0);
 }
 
 }  // namespace
