@@ -1,0 +1,50 @@
+#pragma once
+// A tree of links and its state as plain numbers: what peers are built from, in translation units with flags of their own.
+// Joint frames are not turned; inertias are about the centre of mass along the link's axes.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ugoki {
+namespace benchmarks {
+
+struct PlainLink {
+  int parent = -1;        ///< -1: the world
+  bool floating = false;  ///< otherwise revolute
+  double axis[3] = {};
+  double p[3] = {};        ///< m, joint in the parent
+  double mass = 0;         ///< kg
+  double centre[3] = {};   ///< m
+  double inertia[3] = {};  ///< kg m^2
+};
+
+/// A floating link has q: position, quaternion wxyz; v: angular velocity in the link, velocity in the world; tau likewise, and 0.
+struct PlainTree {
+  std::vector<PlainLink> links;
+  std::vector<double> q, v, tau;
+  double gravity = -9.81;  ///< m/s^2 along z
+};
+
+/// One installed physics engine with the tree in it. What it cannot do returns false.
+class Peer {
+ public:
+  virtual ~Peer() = default;
+  virtual std::string name() const = 0;
+  /// Computes from q, v (and tau, or `vdot` of the last forward) everything anew, kinematics included.
+  virtual bool forward() { return false; }
+  virtual bool inverse() { return false; }
+  virtual bool inertia() { return false; }
+  /// Of the revolute joints in the order of links, after forward() or inverse().
+  virtual std::vector<double> joint_accelerations() = 0;
+  virtual std::vector<double> joint_torques() { return {}; }
+};
+
+/// Null where the engine is not installed.
+std::unique_ptr<Peer> make_mujoco(const PlainTree& tree);
+std::unique_ptr<Peer> make_bullet(const PlainTree& tree);
+std::unique_ptr<Peer> make_dart(const PlainTree& tree);
+std::unique_ptr<Peer> make_simbody(const PlainTree& tree);
+
+}  // namespace benchmarks
+}  // namespace ugoki
