@@ -75,7 +75,7 @@ TEST(Mjcf, InertiaOfGeoms) {
 TEST(Mjcf, SeveralJointsBecomeAChain) {
   const RobotModel m = read(world(
       "<body name='leg' pos='0 0 1'><joint name='swing' axis='0 1 0' pos='0 0 0.1'/><joint type='slide' axis='1 0 0' range='-0.1 0.2'/>"
-      "<joint name='twist' axis='0 0 1' pos='0 0 -0.2'/><geom size='0.1' pos='0.3 0 0'/><body name='foot' pos='0 0 -1'><geom "
+      "<joint name='twist' axis='0 0 1' pos='0.1 0 -0.2'/><geom size='0.1' pos='0.3 0 0'/><body name='foot' pos='0 0 -1'><geom "
       "size='0.1'/></body></body>"));
   const Mechanism& k = *m.mechanism;
   ASSERT_EQ(k.link_count(), 4);
@@ -90,16 +90,17 @@ TEST(Mjcf, SeveralJointsBecomeAChain) {
   ASSERT_EQ(m.joints.size(), 2U);
   EXPECT_EQ(m.joints[0].link, "leg:swing");
   EXPECT_EQ(m.joints[1].link, "leg");
-  // the body's frame at rest, and after a quarter turn of the first joint about (0, 0, 1.1)
+  // the body's frame at rest, and after quarter turns
   std::vector<Pose> X(4);
   std::vector<double> q = k.neutral();
   calc_poses(k, q, X);
   EXPECT_NEAR(norm((X[2] * m.X_BF[2]).p - Vec3{0, 0, 1}), 0, 1e-15);
   EXPECT_NEAR(norm((X[3] * m.X_BF[3]).p - Vec3{0, 0, 0}), 0, 1e-15);
-  q = {pi / 2, 0.2, 0};
-  calc_poses(k, q, X);  // x points down, z along x; the slide moves down
-  EXPECT_NEAR(norm((X[2] * m.X_BF[2]).p - Vec3{-0.1, 0, 0.9}), 0, 1e-15);
-  EXPECT_NEAR(norm((X[2] * m.X_BF[2]) * Vec3{0.3, 0, 0} - Vec3{-0.1, 0, 0.6}), 0, 1e-15);
+  q = {pi / 2, 0.2, pi / 2};
+  calc_poses(k, q, X);
+  // twisted about (0.1, 0) the origin lies at (0.1, -0.1, 0); slid at (0.3, -0.1, 0); then z goes along x, and x down
+  EXPECT_NEAR(norm((X[2] * m.X_BF[2]).p - Vec3{-0.1, -0.1, 0.8}), 0, 1e-15);
+  EXPECT_NEAR(norm((X[2] * m.X_BF[2]) * Vec3{0.3, 0, 0} - Vec3{-0.1, 0.2, 0.8}), 0, 1e-15);
 }
 
 TEST(Mjcf, CoordinatesAreZeroAtThePositionOfTheFile) {
