@@ -11,6 +11,9 @@ void fuzz_asf(const std::uint8_t* data, std::size_t size);
 void fuzz_amc(const std::uint8_t* data, std::size_t size);
 void fuzz_mechanism(const std::uint8_t* data, std::size_t size);
 void fuzz_motion(const std::uint8_t* data, std::size_t size);
+void fuzz_urdf(const std::uint8_t* data, std::size_t size);
+void fuzz_sdf(const std::uint8_t* data, std::size_t size);
+void fuzz_mesh(const std::uint8_t* data, std::size_t size);
 void fuzz_mjcf(const std::uint8_t* data, std::size_t size);
 
 }  // namespace ugoki

@@ -34,6 +34,9 @@ TEST(FuzzSeeds, Asf) { run("asf", fuzz_asf); }
 TEST(FuzzSeeds, Amc) { run("amc", fuzz_amc); }
 TEST(FuzzSeeds, Mechanism) { run("mechanism", fuzz_mechanism); }
 TEST(FuzzSeeds, Motion) { run("motion", fuzz_motion); }
+TEST(FuzzSeeds, Urdf) { run("urdf", fuzz_urdf); }
+TEST(FuzzSeeds, Sdf) { run("sdf", fuzz_sdf); }
+TEST(FuzzSeeds, Mesh) { run("mesh", fuzz_mesh); }
 TEST(FuzzSeeds, Mjcf) { run("mjcf", fuzz_mjcf); }
 
 }  // namespace
