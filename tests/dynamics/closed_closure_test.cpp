@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "closed_motion.h"
 #include "random_loops.h"
@@ -69,6 +70,26 @@ TEST(LoopClosure, EveryLoopTypeClosesFromFar) {
   EXPECT_EQ(closed_systems, 60);
 }
 
+// Two hinges that meet with their axes against each other have no gap, and are not what was meant.
+TEST(LoopClosure, AxesMeetTheRightWayRound) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    RandomLoops c(seed);
+    RandomSource random(seed);
+    const LoopType type = std::array{LoopType::revolute, LoopType::cylindrical, LoopType::planar}[seed % 3];
+    const Loop loop = *std::ranges::find(c.loops, type, &Loop::type);
+    ClosedWorkspace cw(*c.m, std::span(&loop, 1));
+    std::vector<double> away(c.state.v.size()), q(c.state.q.size());
+    for (double& x : away) x = random.uniform(-2.5, 2.5);
+    integrate(*c.m, c.state.q, away, 1, q);
+    ASSERT_TRUE(assemble(*c.m, q, cw).closed);
+    std::vector<Pose> X(static_cast<std::size_t>(c.m->link_count()));
+    calc_poses(*c.m, q, X);
+    const Mat3 R_WA = loop.link_a < 0 ? loop.X_AJ.R : X[static_cast<std::size_t>(loop.link_a)].R * loop.X_AJ.R;
+    EXPECT_NEAR(dot(R_WA * loop.axis, X[static_cast<std::size_t>(loop.link_b)].R * (loop.X_BJ.R * loop.axis)), 1, 1e-9);
+  }
+}
+
 // From near, the least movement in the weighted norm: at right angles to everything that the loops leave free.
 TEST(LoopClosure, MovesAsLittleAsTheWeightsAllow) {
   const ClosedCase c = four_bars_in_series(3);
@@ -117,6 +138,20 @@ TEST(LoopClosure, VelocitiesCloseWithTheLeastChange) {
     const std::vector<double> once = v;
     close_velocities(*c.m, c.state.q, v, cw, weights);
     for (std::size_t i = 0; i < n; ++i) EXPECT_NEAR(v[i], once[i], 1e-11);
+  }
+}
+
+TEST(LoopClosure, HeldVelocitiesDriveTheOthers) {
+  for (const double angle : {0.3, 1.7, 3.0, 5.0}) {
+    const ClosedCase c = four_bar({}, angle, 3);
+    ClosedWorkspace cw(*c.mechanism);
+    for (std::size_t driver = 0; driver < 3; ++driver) {
+      std::vector<double> weights(3, 1), v{0.4, -7, 2};
+      weights[driver] = held;
+      v[driver] = c.v[driver];
+      close_velocities(*c.mechanism, c.q, v, cw, weights);
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(v[i], c.v[i], 1e-12) << angle << " " << driver;
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "allocation_count.h"
 #include "closed_motion.h"
 #include "maximal_coordinates.h"
 #include "random_loops.h"
@@ -289,6 +290,16 @@ TEST(ClosedReference, NumbersThatAreNotFiniteAreRefusedAndForgotten) {
   }
   ASSERT_TRUE(calc_closed_acceleration(*c.mechanism, cw, c.q, c.v, tau, gravity_y, {}, vdot));
   EXPECT_EQ(vdot, first);
+}
+
+TEST(ClosedReference, StepsAllocateNothing) {
+  for (const ClosedCase& c : {four_bar({}, 0.5, 3), n_four_bar(2), bricard(), four_bars_in_series(3)}) {
+    ClosedMotion motion(c, 1e-3);
+    ASSERT_TRUE(motion.advance(0.01));
+    const long before = allocations_so_far();
+    ASSERT_TRUE(motion.advance(0.8));  // the ladder passes a change point
+    EXPECT_EQ(allocations_so_far(), before) << c.mechanism->name();
+  }
 }
 
 TEST(ClosedReference, GivesTheSameBitsTwice) {

@@ -208,7 +208,7 @@ bool calc_closed_acceleration(const Mechanism& m, ClosedWorkspace& cw, std::span
                               std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
   std::ranges::copy(q, cw.q2.begin());
   std::ranges::copy(v, cw.v2.begin());
-  // A new choice between the stages of a step would cost the method its order; project_closed_state() may make one after it
+  // The stages of a step integrate one set of freedoms; project_closed_state() may choose others after it
   const HeldChoice held(cw);
   if (!project_closed_state(m, cw.q2, cw.v2, cw).closed) return false;
   update_closed(m, cw.q2, cw.v2, cw);

@@ -226,30 +226,38 @@ void close_velocities(const Mechanism& m, std::span<const double> q, std::span<d
                       std::span<const double> weights) {
   update_gaps(m, q, cw);
   update_partition(m, cw);
-  // Least |D^-1/2 (v' - v)| with v' = H v_G', in one unit: (H^T W H) v_G' = H^T W v
+  // Least |W^1/2 (v' - v)| with v' = H v_G', in one unit: (H^T W H) v_G' = H^T W v. What is held weighs far more than the rest, and
+  // what it still misses is made good in a second round.
   const std::size_t n = v.size(), g = static_cast<std::size_t>(cw.freedoms());
   double heaviest = 1;
   for (const double w : weights)
     if (std::isfinite(w)) heaviest = std::max(heaviest, w);
-  for (std::size_t a = 0; a < g; ++a) {
-    for (std::size_t b = 0; b <= a; ++b) cw.A_G[a * g + b] = 0;
-    cw.b_G[a] = 0;
-  }
+  const auto is_held = [&](std::size_t j) { return !weights.empty() && !std::isfinite(weights[j]); };
+  const auto W = [&](std::size_t j) {
+    const double weight = weights.empty() ? 1.0 : is_held(j) ? 1e7 * heaviest : weights[j];
+    return weight / (cw.freedom_scale[j] * cw.freedom_scale[j]);
+  };
+  std::fill_n(cw.A_G.begin(), g * g, 0.0);
   for (std::size_t j = 0; j < n; ++j) {
-    const double weight = weights.empty() ? 1.0 : std::isfinite(weights[j]) ? weights[j] : 1e9 * heaviest;
-    const double W = weight / (cw.freedom_scale[j] * cw.freedom_scale[j]);
     const double* H = cw.H.data() + j * g;
-    for (std::size_t a = 0; a < g; ++a) {
-      if (H[a] == 0) continue;
-      for (std::size_t b = 0; b <= a; ++b) cw.A_G[a * g + b] += W * H[a] * H[b];
-      cw.b_G[a] += W * H[a] * v[j];
-    }
+    for (std::size_t a = 0; a < g; ++a)
+      for (std::size_t b = 0; b <= a; ++b) cw.A_G[a * g + b] += W(j) * H[a] * H[b];
   }
   if (!factor_cholesky(cw.A_G, static_cast<int>(g), 0)) return;  // H^T W H is positive: only a number that is not finite fails
-  solve_cholesky(cw.A_G, static_cast<int>(g), std::span(cw.b_G).first(g));
   const std::span<const int> G = cw.theta_G();
-  for (std::size_t a = 0; a < g; ++a) v[static_cast<std::size_t>(G[a])] = cw.b_G[a];
-  apply_partition(cw, v);
+  std::ranges::copy(v, cw.v3.begin());
+  std::ranges::fill(v, 0.0);
+  for (int round = 0; round < 3; ++round) {
+    std::fill_n(cw.b_G.begin(), g, 0.0);
+    for (std::size_t j = 0; j < n; ++j) {
+      if (round > 0 && !is_held(j)) continue;
+      const double missing = W(j) * (cw.v3[j] - v[j]);
+      for (std::size_t a = 0; a < g; ++a) cw.b_G[a] += cw.H[j * g + a] * missing;
+    }
+    solve_cholesky(cw.A_G, static_cast<int>(g), std::span(cw.b_G).first(g));
+    for (std::size_t a = 0; a < g; ++a) v[static_cast<std::size_t>(G[a])] += cw.b_G[a];
+    apply_partition(cw, v);
+  }
 }
 
 int find_full_rank(const Mechanism& m, std::span<const double> q, ClosedWorkspace& cw, std::span<double> general) {
