@@ -31,7 +31,7 @@ Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
   }
 }
 
-/// The mesh of a geom; null, with a problem, where it has no points.
+/// The mesh of a geom; null where it has no points, with a problem now or (a mesh that is not there) with the others of its kind.
 MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom) {
   MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
   if (!mesh) {
@@ -40,9 +40,7 @@ MjcfMeshAsset* mesh_for_inertia(MjcfBody& body, const MjcfGeom& geom) {
     return nullptr;
   }
   if (mesh->absent.empty()) return mesh;
-  geom.element.problem(ErrorCode::io,
-                       "the mass of the body " + formats::in_quotes(body.name) + " comes from a mesh, but " + mesh->absent + ".",
-                       "Put the file there, give the body an <inertial>, or leave meshes out: they then weigh nothing.");
+  body.without_mass = &geom;
   return nullptr;
 }
 

@@ -77,10 +77,24 @@ class LinkMaker {
     make_world();
     decide_bases();
     for (std::size_t i = 1; i < tree_.bodies.size(); ++i) make_body(tree_.bodies[i]);
+    refuse_absent_masses();
     set_total_mass();
   }
 
  private:
+  /// One problem for all bodies whose masses would come from meshes that are not there.
+  void refuse_absent_masses() {
+    const auto lacks = [](const MjcfBody& b) { return b.without_mass != nullptr; };
+    const auto first = std::ranges::find_if(tree_.bodies, lacks);
+    if (first == tree_.bodies.end()) return;
+    const auto others = std::ranges::count_if(tree_.bodies, lacks) - 1;
+    const std::string whose = formats::in_quotes(first->name) + (others > 0 ? " and of " + std::to_string(others) + " more" : "");
+    first->without_mass->element.problem(
+        ErrorCode::io,
+        "the mass of the body " + whose + " comes from a mesh, but " + first->source->mesh(first->without_mass->mesh)->absent + ".",
+        "Put the file there, give the body an <inertial>, or leave meshes out: they then weigh nothing.");
+  }
+
   void add(LinkSpec link, const MjcfElement& element, const Pose& X_BF) {
     build_.spec.links.push_back(std::move(link));
     build_.link_elements.push_back(element);

@@ -56,6 +56,7 @@ struct MjcfBody {
   MjcfElement inertial;  ///< may be none
   std::vector<MjcfJoint> joints;
   std::vector<MjcfGeom> geoms;
+  const MjcfGeom* without_mass = nullptr;  ///< a geom whose mesh is not there, though the body's mass would come from it
   int link = -1;  ///< index in the spec's links of the link that carries its mass and shapes; set when these are made
   Pose X_LB;      ///< in that link's frame
 };
