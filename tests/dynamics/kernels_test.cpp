@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
+#include "allocation_count.h"
 #include "random_mechanism.h"
-#include "ugoki/base/hash.h"
+#include "ugoki/dynamics/batch.h"
 #include "ugoki/dynamics/dynamics.h"
 
 namespace ugoki::dynamics {
@@ -67,6 +69,83 @@ TEST(Kernels, AgreeWithTheUnitVectorMethod) {
     expect_near(M, reference, 1e-12, "inertia matrix, entry");
   }
 }
+
+MechanismPtr make_chain(int links) {
+  MechanismSpec spec;
+  spec.name = "chain";
+  for (int i = 0; i < links; ++i) {
+    LinkSpec l;
+    l.name = "l" + std::to_string(i);
+    if (i > 0) l.parent = "l" + std::to_string(i - 1);
+    l.joint.type = JointType::revolute;
+    l.joint.axis = {i % 3 == 0 ? 1.0 : 0.0, i % 3 == 1 ? 1.0 : 0.0, i % 3 == 2 ? 1.0 : 0.0};
+    l.joint.X_PJ.p = {0, 0, 0.3};
+    l.inertia = Inertia::from_centre(1, {0.01, 0, 0.15}, {0.01, 0.01, 0.002, 0, 0, 0});
+    spec.links.push_back(std::move(l));
+  }
+  return Mechanism::make(std::move(spec)).value();
+}
+
+// A nearly straight chain is 3 km long, and a curled one carries every load through all its joints: torques are compared with
+// the greatest moment that the weight makes, which is what their rounding is a part of.
+TEST(Kernels, ChainOfTenThousandJointsKeepsItsDigits) {
+  const MechanismPtr m = make_chain(10'000);
+  Workspace ws(*m);
+  State s(*m);
+  RandomSource random(12);
+  for (double& q : s.q) q = random.uniform(-0.02, 0.02);
+  for (double& v : s.v) v = random.uniform(-1e-3, 1e-3);
+  for (double& tau : s.tau) tau = random.uniform(-20, 20);
+  std::vector<double> vdot(s.v.size()), tau(s.v.size()), load(s.v.size());
+  calc_inverse_dynamics(*m, ws, s.q, s.v, {}, gravity, {}, load);
+  double scale = 0, worst = 0;
+  for (const double x : load) scale = std::max(scale, std::fabs(x));
+  ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, {}, vdot));
+  calc_inverse_dynamics(*m, ws, s.q, s.v, vdot, gravity, {}, tau);
+  for (std::size_t i = 0; i < tau.size(); ++i) worst = std::max(worst, std::fabs(tau[i] - s.tau[i]));
+  EXPECT_LT(worst, 1e-9 * scale) << "greatest load " << scale;
+}
+
+TEST(Kernels, AllocateNothing) {
+  RandomSource random(3);
+  const MechanismPtr m = Mechanism::make(varied_spec(random, 20, true)).value();
+  Workspace ws(*m);
+  BatchWorkspace<double> doubles(*m, 20);
+  BatchWorkspace<float> floats(*m, 20);
+  State s(*m);
+  testing::randomize(random, *m, s);
+  std::vector<double> out(s.v.size());
+  const long before = allocations_so_far();
+  EXPECT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, s.external, out));
+  calc_inverse_dynamics(*m, ws, s.q, s.v, s.tau, gravity, s.external, out);
+  calc_inertia_rows(*m, ws, s.q);
+  EXPECT_EQ(step_semi_implicit(doubles, gravity, 1e-3) + step_semi_implicit(floats, gravity, 1e-3), 0);
+  calc_inverse_dynamics(doubles, gravity);
+  calc_inverse_dynamics(floats, gravity);
+  EXPECT_EQ(allocations_so_far(), before);
+}
+
+#ifdef UGOKI_NM
+// A unit that is compiled for wide registers must not define functions that the linker could take for those of other units:
+// on an older processor they would be illegal instructions.
+TEST(Kernels, DefineNoWeakSymbols) {
+  FILE* const pipe = popen(UGOKI_NM " " UGOKI_DYNAMICS_LIBRARY, "r");
+  ASSERT_NE(pipe, nullptr);
+  char line[4096];
+  bool in_kernels = false;
+  int symbols = 0;
+  while (std::fgets(line, sizeof line, pipe) != nullptr) {
+    const std::string text = line;
+    if (text.find(".o:") != std::string::npos) in_kernels = text.find("kernels_") != std::string::npos;
+    if (!in_kernels) continue;
+    symbols += text.find(" t ") != std::string::npos ? 1 : 0;
+    for (const char* const kind : {" W ", " V ", " u "})
+      if (text.find("DW.ref.") == std::string::npos) EXPECT_EQ(text.find(kind), std::string::npos) << text;
+  }
+  EXPECT_EQ(pclose(pipe), 0);
+  EXPECT_GT(symbols, 0);
+}
+#endif
 
 }  // namespace
 }  // namespace ugoki::dynamics
