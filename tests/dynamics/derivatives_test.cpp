@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "allocation_count.h"
 #include "random_mechanism.h"
 #include "reference_dynamics.h"
 #include "ugoki/dynamics/dynamics.h"
@@ -66,7 +67,7 @@ double relative_error(std::span<const double> a, std::span<const double> b) {
 double inverse_error(const Case& c, bool pushed) {
   const std::size_t n = c.s.v.size();
   Workspace ws(*c.m);
-  InverseDerivatives d(ws);
+  InverseDerivatives d(*c.m, ws);
   update_kinematics(*c.m, c.s.q, c.s.v, ws);
   calc_inverse_dynamics_derivatives(*c.m, ws, c.s.v, c.vdot, gravity,
                                     pushed ? std::span<const Vec6>(c.s.external) : std::span<const Vec6>{}, d);
@@ -117,7 +118,7 @@ TEST(InverseDerivatives, RandomTreesAgreeWithComplexSteps) {
 TEST(InverseDerivatives, EmptyAccelerationMeansZero) {
   const Case c(5, 10, {}, true);
   Workspace ws(*c.m);
-  InverseDerivatives a(ws), b(ws);
+  InverseDerivatives a(*c.m, ws), b(*c.m, ws);
   update_kinematics(*c.m, c.s.q, c.s.v, ws);
   const std::vector<double> zero(c.s.v.size());
   calc_inverse_dynamics_derivatives(*c.m, ws, c.s.v, {}, gravity, c.s.external, a);
@@ -134,7 +135,7 @@ TEST(ForwardDerivatives, InvertTheReference) {
     Case c(seed, 12, {}, seed % 2 == 0);
     const std::size_t n = c.s.v.size();
     Workspace ws(*c.m);
-    ForwardDerivatives d(ws);
+    ForwardDerivatives d(*c.m, ws);
     update_kinematics(*c.m, c.s.q, c.s.v, ws);
     ASSERT_EQ(calc_forward_dynamics_derivatives(*c.m, ws, c.s.v, c.s.tau, gravity, c.s.external, d), -1);
     std::vector<double> vdot(n);
@@ -161,6 +162,16 @@ TEST(ForwardDerivatives, InvertTheReference) {
   }
 }
 
+TEST(ForwardDerivatives, AllocateNothing) {
+  const Case c(3, 12, {}, true);
+  Workspace ws(*c.m);
+  ForwardDerivatives d(*c.m, ws);
+  update_kinematics(*c.m, c.s.q, c.s.v, ws);
+  const long before = allocations_so_far();
+  EXPECT_EQ(calc_forward_dynamics_derivatives(*c.m, ws, c.s.v, c.s.tau, gravity, c.s.external, d), -1);
+  EXPECT_EQ(allocations_so_far(), before);
+}
+
 TEST(ForwardDerivatives, NameTheFreedomWithoutInertia) {
   MechanismSpec spec;
   spec.name = "spinner";
@@ -175,7 +186,7 @@ TEST(ForwardDerivatives, NameTheFreedomWithoutInertia) {
   const MechanismPtr m = Mechanism::make(std::move(spec)).value();
   Workspace ws(*m);
   State s(*m);
-  ForwardDerivatives d(ws);
+  ForwardDerivatives d(*m, ws);
   update_kinematics(*m, s.q, s.v, ws);
   EXPECT_EQ(calc_forward_dynamics_derivatives(*m, ws, s.v, s.tau, gravity, {}, d), 1);
 }

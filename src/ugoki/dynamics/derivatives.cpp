@@ -76,7 +76,8 @@ void fill_own_joint(const Workspace& ws, const Link& link, int k, std::size_t st
 
 }  // namespace
 
-InverseDerivatives::InverseDerivatives(const Workspace& ws) {
+InverseDerivatives::InverseDerivatives(const Mechanism& m, Workspace& ws) {
+  if (ws.chain.empty()) ws.make_rows(m);
   for (std::vector<double>* x : {&below_q, &above_q, &below_v, &above_v}) x->resize(ws.chain.size());
   for (std::vector<Vec6>* x : {&S_dot, &psi1, &psi2, &turn_q, &turn_v}) x->resize(ws.S.size());
   for (std::vector<Vec6>* x : {&A, &f, &f_ext}) x->resize(ws.V.size());
@@ -87,7 +88,7 @@ InverseDerivatives::InverseDerivatives(const Workspace& ws) {
 
 void calc_inverse_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::span<const double> v, std::span<const double> vdot,
                                        const Vec3& gravity, std::span<const Vec6> external, InverseDerivatives& d) {
-  UGOKI_CHECK(static_cast<int>(v.size()) == m.nv() && (vdot.empty() || vdot.size() == v.size()));
+  UGOKI_CHECK(static_cast<int>(v.size()) == m.nv() && (vdot.empty() || vdot.size() == v.size()) && d.below_q.size() == ws.chain.size());
   calc_subspace_rates(m, ws, d.S_dot);
   sweep_out(m, ws, v, vdot, gravity, external, d);
   const std::span<const Link> links = m.links();

@@ -25,7 +25,8 @@ namespace ugoki::dynamics {
 /// d tau_j / d_k; all others are zero. expand() writes full matrices.
 class InverseDerivatives {
  public:
-  explicit InverseDerivatives(const Workspace& ws);
+  /// Sizes the rows of `ws` too, where that was not done yet (Workspace::make_rows).
+  InverseDerivatives(const Mechanism& mechanism, Workspace& ws);
 
   std::vector<double> below_q, above_q;  ///< [chain entries] N m/rad and the like
   std::vector<double> below_v, above_v;  ///< [chain entries] N m s/rad and the like
@@ -57,7 +58,7 @@ void solve_columns(const Workspace& ws, std::span<double> X, std::size_t columns
 
 class ForwardDerivatives {
  public:
-  explicit ForwardDerivatives(const Workspace& ws);
+  ForwardDerivatives(const Mechanism& mechanism, Workspace& ws);
 
   std::vector<double> vdot;  ///< [nv]
   std::vector<double> dq;    ///< [nv * nv] row by row: d vdot_i / dq_j

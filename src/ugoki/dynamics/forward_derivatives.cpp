@@ -85,8 +85,8 @@ void solve_columns(const Workspace& ws, std::span<double> X, std::size_t columns
   }
 }
 
-ForwardDerivatives::ForwardDerivatives(const Workspace& ws)
-    : vdot(ws.S.size()), dq(ws.S.size() * ws.S.size()), dv(dq.size()), dtau(dq.size()), inverse(ws), scratch_(ws.chain.size()) {}
+ForwardDerivatives::ForwardDerivatives(const Mechanism& m, Workspace& ws)
+    : vdot(ws.S.size()), dq(ws.S.size() * ws.S.size()), dv(dq.size()), dtau(dq.size()), inverse(m, ws), scratch_(ws.chain.size()) {}
 
 int calc_forward_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::span<const double> v, std::span<const double> tau,
                                       const Vec3& gravity, std::span<const Vec6> external, ForwardDerivatives& d) {

@@ -49,7 +49,11 @@ MovingFrame relative_frame(const Workspace& ws, int a, int b, const Vec3& p_W) {
   return frame;
 }
 
-std::span<const int> chain_or_none(const Workspace& ws, int link) { return link < 0 ? std::span<const int>{} : chain_of_link(ws, link); }
+/// The link's chain; none for the world.
+std::span<const int> checked_chain(const Workspace& ws, int link) {
+  UGOKI_CHECK(!ws.chain.empty() || ws.S.empty());  // Workspace::make_rows() on mechanisms with very long chains
+  return link < 0 ? std::span<const int>{} : chain_of_link(ws, link);
+}
 
 /// Writes columns for the freedoms that move a or b but not both: value(k) with sign +1 for b, -1 for a.
 template <class Column>
@@ -57,7 +61,7 @@ void fill_relative(const Workspace& ws, int a, int b, std::span<double> J, Colum
   const std::size_t n = ws.S.size();
   UGOKI_CHECK(J.size() == 6 * n);
   for (double& x : J) x = 0;
-  const std::span<const int> chain_a = chain_or_none(ws, a), chain_b = chain_or_none(ws, b);
+  const std::span<const int> chain_a = checked_chain(ws, a), chain_b = checked_chain(ws, b);
   std::size_t common = 0;
   while (common < chain_a.size() && common < chain_b.size() && chain_a[common] == chain_b[common]) ++common;
   const auto put = [&](int freedom, double sign) {
@@ -99,7 +103,7 @@ void calc_subspace_rates(const Mechanism& m, const Workspace& ws, std::span<Vec6
 }
 
 void calc_jacobian(const Workspace& ws, int link, JacobianFrame frame, const Vec3& p_W, std::span<Vec6> columns) {
-  const std::span<const int> chain = chain_of_link(ws, link);
+  const std::span<const int> chain = checked_chain(ws, link);
   UGOKI_CHECK(columns.size() >= chain.size());
   const MovingFrame to = frame_of(ws, link, frame, p_W);
   for (std::size_t k = 0; k < chain.size(); ++k) columns[k] = to.write(ws.S[static_cast<std::size_t>(chain[k])]);
@@ -107,7 +111,7 @@ void calc_jacobian(const Workspace& ws, int link, JacobianFrame frame, const Vec
 
 void calc_jacobian_rate(const Workspace& ws, std::span<const Vec6> S_dot, int link, JacobianFrame frame, const Vec3& p_W,
                         std::span<Vec6> columns) {
-  const std::span<const int> chain = chain_of_link(ws, link);
+  const std::span<const int> chain = checked_chain(ws, link);
   UGOKI_CHECK(columns.size() >= chain.size() && S_dot.size() == ws.S.size());
   const MovingFrame to = frame_of(ws, link, frame, p_W);
   for (std::size_t k = 0; k < chain.size(); ++k) {
@@ -135,7 +139,7 @@ void calc_relative_jacobian_rate(const Workspace& ws, std::span<const Vec6> S_do
 
 void expand_columns(const Workspace& ws, int link, std::span<const Vec6> columns, std::span<double> J) {
   const std::size_t n = ws.S.size();
-  const std::span<const int> chain = chain_of_link(ws, link);
+  const std::span<const int> chain = checked_chain(ws, link);
   UGOKI_CHECK(J.size() == 6 * n && columns.size() >= chain.size());
   for (double& x : J) x = 0;
   for (std::size_t k = 0; k < chain.size(); ++k) {

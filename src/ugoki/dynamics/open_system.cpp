@@ -16,7 +16,7 @@ OpenSystem::OpenSystem(MechanismPtr mechanism, const OpenSystemOptions& options)
   if (!options.exact_jacobian) return;
   slope_q_.resize(drive.size());
   slope_v_.resize(drive.size());
-  derivatives_.emplace(ws_);
+  derivatives_.emplace(this->mechanism(), ws_);
 }
 
 void OpenSystem::calc_drive(double /*t*/, std::span<const double> /*q*/, std::span<const double> /*v*/, std::span<double> tau) {

@@ -46,8 +46,6 @@ Workspace::Workspace(const Mechanism& m) : program(m) {
   U.resize(n);
   d.resize(n);
   u.resize(n);
-  q1.resize(static_cast<std::size_t>(m.nq()));
-  for (std::vector<double>* x : {&v1, &vdot, &bias, &k_q, &k_v, &sum_q, &sum_v}) x->resize(n);
   D_inverse.resize(n);
 }
 

@@ -63,10 +63,6 @@ struct Workspace {
   std::vector<double> D_inverse;  ///< [nv]
 
   std::vector<CacheLine> scratch;  ///< of the functions that start from q and v
-
-  // Stages of the integrators
-  std::vector<double> q1, v1, vdot, bias;      ///< [nq], [nv] ...
-  std::vector<double> k_q, k_v, sum_q, sum_v;  ///< [nv]
 };
 
 }  // namespace ugoki::dynamics
