@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "mjcf_data.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/robot_formats/mjcf_mesh.h"
 
@@ -447,6 +448,50 @@ TEST(Mjcf, NotesTellWhatIsLeftOut) {
                            "gravcomp", "springdamper", "An ellipsoid", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon",
                            "A fixed tendon", "<exclude>", "A drive on something else", "<deformable>", "Keyframes are left out"})
     EXPECT_TRUE(has_note(m, part)) << part;
+}
+
+// ---- real files
+
+TEST(MjcfData, EveryFileOpensOrIsRefusedForATrueReason) {
+  NEEDS_MJCF_DATA();
+  const std::map<std::string, std::string> refused = {
+      {"model__humanoid__humanoid100.xml", "humanoid.xml' cannot be read"},  // it attaches a model that was saved under another name
+      {"model__hammock__hammock.xml", "cannot be read"},
+      {"dog.xml", "comes from a mesh, but the mesh file"},
+      {"fruitfly.xml", "comes from a mesh, but the mesh file"},
+      {"materials.xml", "no body"},  // pieces that other files include
+      {"skybox.xml", "no body"},
+      {"visual.xml", "no body"}};
+  int opened = 0, not_opened = 0;
+  for (const auto& e : std::filesystem::recursive_directory_iterator(data_folder())) {
+    if (e.path().extension() != ".xml") continue;
+    const std::string path = std::filesystem::relative(e.path(), data_folder()).string(), file = e.path().filename().string();
+    const std::string text = load_data(path);
+    if (text.find("<mujoco") == std::string::npos) continue;
+    SCOPED_TRACE(path);
+    const auto m = read_mjcf(text, path, data_options());
+    if (const auto it = refused.find(file); it != refused.end()) {
+      ++not_opened;
+      ASSERT_FALSE(m.has_value());
+      EXPECT_NE(m.error().text().find(it->second), std::string::npos) << m.error().text();
+    } else {
+      ++opened;
+      EXPECT_TRUE(m.has_value()) << (m ? std::string() : m.error().text());
+    }
+  }
+  EXPECT_EQ(opened, 25);
+  EXPECT_EQ(not_opened, 10);
+}
+
+TEST(MjcfData, TheHammockHasAHumanoidButNoNet) {
+  NEEDS_MJCF_DATA();
+  const std::string folder = "mechanism/open_chain/mujoco/", name = folder + "model__hammock__hammock.xml";
+  RobotOptions options;
+  options.read_asset = [&](const std::string&) { return files::read_file(data_folder() + folder + "model__humanoid__humanoid.xml"); };
+  const auto m = read_mjcf(load_data(name), name, options);
+  ASSERT_TRUE(m.has_value()) << m.error().text();
+  EXPECT_EQ(m->mechanism->nv(), 27);
+  EXPECT_TRUE(has_note(*m, "<flexcomp>"));
 }
 
 }  // namespace
