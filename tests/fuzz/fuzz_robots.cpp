@@ -63,7 +63,7 @@ void fuzz_sdf(const std::uint8_t* data, std::size_t size) { fuzz_robot(read_sdf,
 void fuzz_mesh(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const std::size_t line = text.find('\n');
-  if (line == std::string_view::npos) return;
+  if (line == std::string_view::npos || line == 0) return;
   const Result<MeshFile> mesh = read_mesh(text.substr(line + 1), text.substr(0, line));
   if (!mesh) return check_error(mesh.error());
   UGOKI_CHECK(!mesh->points.empty());
