@@ -503,10 +503,8 @@ ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& cl
 
 double greatest_gap(const ClosedLinks& closed) {
   double greatest = 0;
-  const LoopRows& rows = closed.rows();
-  for (std::size_t i = 0; i < closed.loops().size(); ++i)
-    for (int k = rows.first[i]; closed.is_closed(static_cast<int>(i)) && k < rows.first[i + 1]; ++k)
-      greatest = std::max(greatest, std::fabs(rows.gap[at(k)]));
+  for (std::size_t k = 0; k < closed.independent().size(); ++k)
+    if (closed.independent()[k]) greatest = std::max(greatest, std::fabs(closed.rows().gap[k]));
   return greatest;
 }
 

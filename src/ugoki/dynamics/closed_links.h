@@ -132,7 +132,8 @@ void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, st
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
                                             std::span<const double> v, double& gap, int limit = 20);
 
-/// Greatest gap of the closed loops as the last update of the rows saw it, m | rad.
+/// Greatest gap of the closed loops' independent rows, as the last factorization and update of the rows saw them, m | rad. (Rows that
+/// follow from others keep a gap of their own where the frames of a file do not quite agree.)
 [[nodiscard]] double greatest_gap(const ClosedLinks& closed);
 
 }  // namespace ugoki::dynamics

@@ -117,14 +117,17 @@ bool calc_closed_forward_dynamics_by_unit_vectors(const Mechanism& m, ClosedWork
   const std::size_t n = tau.size(), g = static_cast<std::size_t>(cw.freedoms());
   open_forces(m, cw, cw.h, gravity, external, tau);
   reduce_forces(cw, cw.tau1, cw.b_G);
-  std::ranges::copy(cw.tau1, cw.v1.begin());
+  // At rest and without gravity: as a difference to b a small link's inertia would drown in its weight.
+  std::swap(cw.open.V, cw.rest_V);
+  std::swap(cw.open.C, cw.rest_C);
   for (std::size_t k = 0; k < g; ++k) {
-    for (std::size_t i = 0; i < n; ++i) cw.vdot1[i] = cw.h[i] + cw.H[i * g + k];
-    open_forces(m, cw, cw.vdot1, gravity, external, tau);
-    for (std::size_t i = 0; i < n; ++i) cw.tau1[i] -= cw.v1[i];
+    for (std::size_t i = 0; i < n; ++i) cw.vdot1[i] = cw.H[i * g + k];
+    open_forces(m, cw, cw.vdot1, {}, {}, {});
     reduce_forces(cw, cw.tau1, cw.column);
     for (std::size_t a = 0; a < g; ++a) cw.A_G[a * g + k] = cw.column[a];
   }
+  std::swap(cw.open.V, cw.rest_V);
+  std::swap(cw.open.C, cw.rest_C);
   for (std::size_t a = 0; a < g; ++a) {
     cw.b_G[a] = -cw.b_G[a];
     for (std::size_t b = 0; b < a; ++b) cw.A_G[a * g + b] = 0.5 * (cw.A_G[a * g + b] + cw.A_G[b * g + a]);

@@ -26,8 +26,8 @@ ClosedSystem::ClosedSystem(MechanismPtr mechanism, const OpenSystemOptions& opti
   for (std::vector<double>* x : {&v_, &a_, &guess_, &mean_}) x->resize(drive.size());
 }
 
-void ClosedSystem::rebuild(std::vector<Loop> loops, std::span<const char> closed) {
-  links_ = ClosedLinks(mechanism(), std::move(loops), closed);
+void ClosedSystem::rebuild(std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows) {
+  links_ = ClosedLinks(mechanism(), std::move(loops), closed, rows);
   full_rank_ = 0;
 }
 
@@ -58,6 +58,36 @@ ClosingReport ClosedSystem::close(int loop, std::span<double> q, std::span<doubl
   project_velocity(mechanism(), ws, links_, v);
   report.energy_lost = before - calc_energy(q, v);
   return report;
+}
+
+int ClosedSystem::leave_out_redundant_rows(std::span<const double> q) {
+  constexpr double redundant = 1e-9;  // 3e-5 rad: frames of files agree to about six digits
+  Workspace& ws = workspace();
+  int greatest = -1;
+  double weakest = 0;
+  std::vector<char> rows;
+  for (int place = 0; place < 6; ++place) {
+    std::ranges::copy(q, q_.begin());
+    // Along the closed velocity nearest to one with no pattern: a golden-ratio sequence, the same each time.
+    for (std::size_t i = 0; i < v_.size(); ++i)
+      v_[i] = place * std::fmod(0.6180339887 * static_cast<double>((i + 1) * (static_cast<std::size_t>(place) + 1)), 1.0);
+    update_kinematics(mechanism(), q_, v_, ws);
+    if (factor_closed_links(mechanism(), ws, links_, q_, v_, redundant) != ClosedStatus::ok) return 0;
+    project_velocity(mechanism(), ws, links_, v_);
+    integrate(mechanism(), q_, v_, 0.03, q_);
+    double gap = 0;
+    (void)project_position(mechanism(), ws, links_, q_, v_, gap);
+    if (factor_closed_links(mechanism(), ws, links_, q_, v_, redundant) != ClosedStatus::ok) return 0;
+    if (links_.rank() < greatest || (links_.rank() == greatest && links_.weakest() <= weakest)) continue;
+    greatest = links_.rank();
+    weakest = links_.weakest();
+    rows.assign(links_.independent().begin(), links_.independent().end());
+  }
+  int closed_rows = 0;
+  for (std::size_t i = 0; i < links_.loops().size(); ++i)
+    if (links_.is_closed(static_cast<int>(i))) closed_rows += links_.loops()[i].rows();
+  if (greatest < closed_rows) rebuild({links_.loops().begin(), links_.loops().end()}, closed_loops(links_), rows);
+  return closed_rows - greatest;
 }
 
 void ClosedSystem::open(int loop) {

@@ -24,6 +24,10 @@ class ClosedSystem : public OpenSystem {
   /// possible), and v jumps to the nearest velocity that opens no loop: links().multipliers() are the impulses [N s | N m s].
   /// Momentum is that before plus the impulses on the world; energy is lost, never won. Allocates.
   ClosingReport close(int loop, std::span<double> q, std::span<double> v);
+  /// Finds the rows that follow from others wherever the system is (three in every planar loop), and leaves them out from then on: faster,
+  /// and right also where the frames of redundant rows do not quite agree, as in most files. Allocates.
+  /// @param q [nq] closed; looked at with a few positions around it @return how many rows were left out
+  int leave_out_redundant_rows(std::span<const double> q);
   /// Opens a loop: nothing jumps. Allocates.
   void open(int loop);
 
@@ -42,7 +46,7 @@ class ClosedSystem : public OpenSystem {
   [[nodiscard]] const ClosedLinks& links() const { return links_; }
 
  private:
-  void rebuild(std::vector<Loop> loops, std::span<const char> closed);
+  void rebuild(std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows = {});
 
   /// calc_acceleration() at a position that is not singular. @return -1 or the singular freedom
   [[nodiscard]] int accelerate(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot);

@@ -148,6 +148,8 @@ ClosedWorkspace::ClosedWorkspace(const Mechanism& m, std::span<const Loop> all_l
   A_G.resize(n * n);
   normal.reserve(most_rows * most_rows);
   for (auto* x : {&h, &v1, &v2, &v3, &vdot1, &vdot2, &tau1, &column, &b_G, &step}) x->resize(n);
+  rest_V.resize(open.V.size());
+  rest_C.resize(open.C.size());
   for (auto* x : {&q1, &q2, &q3}) x->resize(nq);
   products.resize(most_rows);
   multipliers.resize(most_rows);

@@ -57,6 +57,7 @@ struct ClosedWorkspace {
 
   // Scratch
   std::vector<double> pivots, K, q1, v1, q2, v2, q3, v3, vdot1, vdot2, tau1, column, A_G, b_G, normal, multipliers, step, branch;
+  std::vector<Vec6> rest_V, rest_C;  ///< [links] zeros
   std::vector<int> kept_rows, kept_freedoms;
   double keep_limit = 0;
 

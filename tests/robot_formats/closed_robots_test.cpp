@@ -1,0 +1,140 @@
+// The shared closed robots in motion: loops recognised, freedoms, gaps while they fall and swing, both methods side by side.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "robot_data.h"
+#include "ugoki/dynamics/closed_reference.h"
+#include "ugoki/dynamics/closed_system.h"
+#include "ugoki/dynamics/dynamics.h"
+#include "ugoki/dynamics/integrators.h"
+#include "ugoki/dynamics/loop_diagnosis.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/robot_formats/robot_file.h"
+
+namespace ugoki::robot_formats {
+namespace {
+
+std::vector<std::string> closed_files() {
+  std::vector<std::string> out;
+  for (const char* ending : {".urdf", ".sdf", ".xml"})
+    for (const std::string& path : robot_files(ending))
+      if (path.find("closed_loop") != std::string::npos) out.push_back(path);
+  return out;
+}
+
+struct Outcome {
+  double gap = 0;           ///< m | rad, greatest
+  double disagreement = 0;  ///< of the two methods' accelerations, relative
+  double greatest = 0;      ///< acceleration
+  int comparisons = 0;
+};
+
+double relative_difference(std::span<const double> a, std::span<const double> b) {
+  double difference = 0, size = 1;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference = std::max(difference, std::fabs(a[i] - b[i]));
+    size = std::max(size, std::fabs(b[i]));
+  }
+  return difference / size;
+}
+
+/// Greatest gap of the rows that take part.
+double gap_of(const dynamics::ClosedSystem& system, const Mechanism& m, const dynamics::Workspace& ws, std::span<const double> q,
+              std::span<const double> v) {
+  dynamics::LoopRows rows(m.loops());
+  update_loop_rows(m, ws, m.loops(), q, v, rows);
+  double gap = 0;
+  for (std::size_t k = 0; k < rows.gap.size(); ++k)
+    if (system.links().independent()[k]) gap = std::max(gap, std::fabs(rows.gap[k]));
+  return gap;
+}
+
+/// The rows that the paper's way has chosen.
+std::vector<char> independent_rows(const dynamics::ClosedWorkspace& cw) {
+  std::vector<char> rows(static_cast<std::size_t>(cw.rows.count()));
+  for (int k = 0; k < cw.rank; ++k)
+    rows[static_cast<std::size_t>(cw.active[static_cast<std::size_t>(cw.row_order[static_cast<std::size_t>(k)])])] = 1;
+  return rows;
+}
+
+/// Falls for `seconds` in steps of 1 ms; compares the methods every `every` steps.
+Outcome fall(const MechanismPtr& m, double seconds, int every) {
+  Outcome out;
+  dynamics::OpenSystemOptions options;
+  options.joint_forces_on = false;
+  dynamics::ClosedSystem system(m, options);
+  dynamics::ClosedWorkspace cw(*m);
+  State s(*m);
+  const dynamics::Closure closure = assemble(*m, s.q, cw);
+  EXPECT_TRUE(closure.closed) << explain_gap(*m, cw, closure).text();
+  if (!closure.closed) return out;
+  find_full_rank(*m, s.q, cw);
+  const int left_out = system.leave_out_redundant_rows(s.q);
+  int rows = 0;
+  for (const Loop& l : m->loops()) rows += l.closed ? l.rows() : 0;
+  EXPECT_EQ(rows - left_out, cw.full_rank) << "rank by both methods";
+  for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] = std::sin(1.0 + 2.0 * static_cast<double>(i));
+  EXPECT_NE(system.project(0, s.q, s.v), dynamics::Projection::failed);
+
+  dynamics::IntegratorOptions integration;
+  integration.method = dynamics::IntegrationMethod::dormand_prince_54;
+  dynamics::Integrator integrator(system, integration);
+  integrator.start(0, s.q, s.v);
+  dynamics::Workspace ws(*m);
+  std::vector<char> rows_of_both;
+  dynamics::ClosedLinks same_rows(*m);
+  std::vector<double> fast(s.v.size()), paper(s.v.size()), q(s.q.size()), v(s.v.size());
+  const int steps = static_cast<int>(std::lround(seconds * 1000));
+  for (int i = 1; i <= steps; ++i) {
+    const dynamics::IntegrationReport report = integrator.advance(i * 1e-3);
+    EXPECT_EQ(report.status, dynamics::IntegrationStatus::reached) << name_of(report.status) << " at " << report.time;
+    if (report.status != dynamics::IntegrationStatus::reached) return out;
+    std::ranges::copy(integrator.q(), q.begin());
+    std::ranges::copy(integrator.v(), v.begin());
+    update_kinematics(*m, q, v, ws);
+    out.gap = std::max(out.gap, gap_of(system, *m, ws, q, v));
+    if (i % every != 0) continue;
+    update_closed(*m, q, v, cw);
+    if (cw.is_nearly_singular()) continue;
+    // With the same rows: where the frames of a file do not quite agree, redundant rows are not quite redundant.
+    const std::vector<char> chosen = independent_rows(cw);
+    if (chosen != rows_of_both) {
+      rows_of_both = chosen;
+      same_rows = dynamics::ClosedLinks(*m, cw.loops, cw.closed, chosen);
+    }
+    EXPECT_EQ(calc_closed_forward_dynamics(*m, same_rows, q, v, system.drive, options.gravity, {}, fast), dynamics::ClosedStatus::ok);
+    EXPECT_TRUE(calc_closed_forward_dynamics_by_unit_vectors(*m, cw, system.drive, options.gravity, {}, paper));
+    out.disagreement = std::max(out.disagreement, relative_difference(fast, paper));
+    for (const double a : fast) out.greatest = std::max(out.greatest, std::fabs(a));
+    ++out.comparisons;
+  }
+  return out;
+}
+
+void fall_all(double seconds, int every) {
+  NEEDS_ROBOT_DATA();
+  for (const std::string& path : closed_files()) {
+    SCOPED_TRACE(short_path(path));
+    for (const Base base : {Base::fixed, Base::floating}) {           // it swings, it tumbles
+      if (base == Base::fixed && !path.ends_with(".urdf")) continue;  // the file says how its base is held
+      RobotOptions options = options_for(path);
+      if (path.ends_with(".urdf")) options.base = base;
+      const Result<RobotModel> model = read_robot_file(load_robot(path), path, options);
+      ASSERT_TRUE(model.has_value()) << model.error().text();
+      if (!model->mechanism->has_loops()) continue;
+      const Outcome o = fall(model->mechanism, seconds, every);
+      std::cout << short_path(path) << (base == Base::fixed ? ", swinging" : ", falling") << ": gap " << o.gap << ", greatest acceleration "
+                << o.greatest << ", the two methods differ by " << o.disagreement << " in " << o.comparisons << " comparisons\n";
+      EXPECT_LT(o.gap, 1e-9);
+      EXPECT_LT(o.disagreement, 1e-8);
+    }
+  }
+}
+
+TEST(ClosedRobots, FallWithTheirLoopsClosed) { fall_all(0.3, 20); }
+TEST(Slow_ClosedRobots, FallAndSwingForTenSeconds) { fall_all(10, 1); }
+
+}  // namespace
+}  // namespace ugoki::robot_formats
