@@ -15,6 +15,9 @@ TEST(Intake, KindsAndSkeletonsByName) {
   EXPECT_EQ(file_kind("12_01.amc"), FileKind::amc);
   EXPECT_EQ(file_kind("12.asf"), FileKind::asf);
   EXPECT_EQ(file_kind("m.json"), FileKind::mechanism_json);
+  EXPECT_EQ(file_kind("r.URDF"), FileKind::robot);
+  EXPECT_EQ(file_kind("m.sdf"), FileKind::robot);
+  EXPECT_EQ(file_kind("humanoid.xml"), FileKind::robot);
   EXPECT_EQ(file_kind("bvh"), std::nullopt);
   EXPECT_EQ(file_kind("walk.bvh.txt"), std::nullopt);
   EXPECT_EQ(skeleton_name_for("data/12_01.amc"), "data/12.asf");
@@ -62,8 +65,23 @@ TEST(Intake, MechanismFilesAreEntriesToo) {
   EXPECT_TRUE(taken->id_of(store::EntryKind::motion).empty());
 }
 
+TEST(Intake, DescriptionsOfRobotsAreEntriesThatCanBeReadAgain) {
+  const auto taken =
+      take_in("<robot name='rod'><link name='rod'><inertial><mass value='3'/><inertia ixx='1' iyy='1' izz='3'/></inertial></link></robot>",
+              "folder/rod.urdf");
+  ASSERT_TRUE(taken) << taken.error().text();
+  ASSERT_EQ(taken->items.size(), 1u);
+  EXPECT_EQ(taken->items[0].name, "rod");
+  EXPECT_FALSE(taken->report.empty()) << "the inertia was repaired";
+  const auto again =
+      formats::read_mechanism({reinterpret_cast<const char*>(taken->items[0].data.data()), taken->items[0].data.size()}, "mechanism");
+  ASSERT_TRUE(again) << again.error().text();
+  EXPECT_EQ((*again)->mass(), 3);
+  EXPECT_FALSE(take_in("<html/>", "page.xml"));
+}
+
 TEST(Intake, RefusesWithPlaceAndRemedy) {
-  for (const char* name : {"walk.bvh", "walk.amc", "walk.asf", "walk.json", "walk.png", "walk"}) {
+  for (const char* name : {"walk.bvh", "walk.amc", "walk.asf", "walk.json", "walk.urdf", "walk.sdf", "walk.xml", "walk.png", "walk"}) {
     const auto taken = take_in("nonsense", name);
     ASSERT_FALSE(taken) << name;
     EXPECT_TRUE(taken.error().problems.front().place.starts_with(name)) << taken.error().text();

@@ -1,0 +1,119 @@
+// Descriptions of mechanisms through `ugoki info` and `ugoki import`.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* a_mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
+
+class RobotCliTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "ugoki-robot-cli-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) const {
+    fs::create_directories(fs::path(folder_ + "/" + name).parent_path());
+    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
+    return folder_ + "/" + name;
+  }
+  Output ugoki(const std::vector<std::string>& arguments) const {
+    return run_program(arguments, {"UGOKI_LIBRARY=" + folder_ + "/library.db"});
+  }
+  Json json(std::vector<std::string> arguments) const {
+    arguments.emplace_back("--json");
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 0) << o.err;
+    Json j = Json::parse(o.out, nullptr, false);
+    EXPECT_FALSE(j.is_discarded()) << o.out;
+    return j;
+  }
+  /// Bars of 1 m in the x-y plane, hinged about z: base - a - b, and base - c; `end` hangs on b.
+  std::string four_bar(const std::string& name, double length_of_b) const {
+    const auto link = [](const char* of) { return "<link name='" + std::string(of) + "'>" + a_mass + "</link>"; };
+    const auto hinge = [](const char* parent, const char* child, const std::string& place) {
+      return "<joint name='to_" + std::string(child) + "' type='continuous'><parent link='" + parent + "'/><child link='" + child +
+             "'/><origin xyz='" + place + "'/><axis xyz='0 0 1'/></joint>";
+    };
+    return write(name, "<robot name='bars'>" + link("world") + link("a") + link("b") + link("c") + hinge("world", "a", "0 0 0") +
+                           hinge("a", "b", "0 1 0") + hinge("world", "c", "1 0 0") +
+                           "<link name='end'/><joint name='to_end' type='fixed'><parent link='b'/><child link='end'/><origin xyz='" +
+                           std::to_string(length_of_b) +
+                           " 0 0'/></joint><link name='tip'/><joint name='to_tip' type='fixed'><parent link='c'/><child link='tip'/>"
+                           "<origin xyz='0 1 0'/></joint></robot>");
+  }
+
+  std::string folder_;
+};
+
+TEST_F(RobotCliTest, InfoTellsWhatTheLoopsLeaveFree) {
+  const std::string file = four_bar("bars.urdf", 1);
+  EXPECT_EQ(json({"info", file})["freedoms"], 3);
+  EXPECT_TRUE(json({"info", file})["loops"].empty());
+  write("bars.yaml", "closed_loop: [[end, tip]]\ntype: [revolute]\nname_mot: [to_a]\n");  // beside it: taken
+  const Json j = json({"info", file});
+  ASSERT_EQ(j["loops"].size(), 1u);
+  EXPECT_EQ(j["loops"][0]["type"], "revolute");
+  EXPECT_EQ(j["closure"]["closes"], true);
+  EXPECT_EQ(j["closure"]["degrees_of_freedom"], 1);
+  EXPECT_EQ(j["closure"]["rank"], 2);
+  EXPECT_EQ(j["closure"]["redundant"].size(), 3u);
+  EXPECT_EQ(j["driven"], Json::array({"a"}));
+  EXPECT_EQ(j["joints"]["revolute"], 3);
+  EXPECT_EQ(j["links"][1]["joint_name"], "to_a");
+  EXPECT_NE(ugoki({"info", file}).out.find("Over-constrained"), std::string::npos);
+}
+
+TEST_F(RobotCliTest, InfoTellsWhyALoopCannotClose) {
+  const std::string file = four_bar("long.urdf", 5), loops = write("other.yaml", "closed_loop: [[end, tip]]\ntype: [3d]\n");
+  const Json j = json({"info", file, "--loops", loops});
+  EXPECT_EQ(j["closure"]["closes"], false);
+  const std::string why = j["findings"][0].get<std::string>();
+  EXPECT_NE(why.find("longer than all the others"), std::string::npos) << why;
+}
+
+TEST_F(RobotCliTest, OptionsReachTheReader) {
+  const std::string text =
+      "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='3'/></inertial>"
+      "<collision><geometry><mesh filename='package://r/meshes/a.obj'/></geometry></collision></link></robot>";
+  const std::string file = write("r/urdf/r.urdf", text);
+  EXPECT_EQ(json({"info", file})["freedoms"], 6);
+  EXPECT_EQ(json({"info", file, "--base", "fixed"})["freedoms"], 0);
+  EXPECT_EQ(json({"info", file})["links"][0]["shapes"], 0);
+  const Output strict = ugoki({"info", file, "--inertias", "strict"});
+  EXPECT_EQ(strict.status, 1);
+  EXPECT_NE(strict.err.find("r.urdf:1: no body has"), std::string::npos) << strict.err;
+  EXPECT_EQ(ugoki({"info", file, "--meshes", "require"}).status, 1);
+  EXPECT_EQ(ugoki({"info", file, "--base", "loose"}).status, 2);
+  write("r/meshes/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n");
+  EXPECT_EQ(json({"info", file, "--meshes", "require"})["links"][0]["shapes"], 1);
+  EXPECT_EQ(json({"info", file, "--meshes", "none"})["links"][0]["shapes"], 0);
+}
+
+TEST_F(RobotCliTest, ImportPutsTheMechanismIntoTheLibrary) {
+  const std::string urdf = four_bar("bars.urdf", 1);
+  const std::string sdf = write("m.sdf", "<sdf version='1.7'><model name='crate'><link name='box'/></model></sdf>");
+  const Json j = json({"import", urdf, sdf});
+  ASSERT_EQ(j["files"].size(), 2u);
+  EXPECT_EQ(j["files"][0]["name"], "bars");
+  EXPECT_FALSE(j["files"][1]["report"].empty());
+  EXPECT_EQ(json({"info", "crate"})["freedoms"], 6);
+  const Output page = ugoki({"import", write("page.xml", "<html/>")});
+  EXPECT_EQ(page.status, 1);
+  EXPECT_NE(page.err.find("URDF"), std::string::npos) << page.err;
+}
+
+}  // namespace
+}  // namespace ugoki::cli
