@@ -26,10 +26,13 @@ class MuJoCo final : public Peer {
  public:
   explicit MuJoCo(const PlainTree& tree) : tree_(tree) {
     std::string text = "<mujoco><compiler balanceinertia='false' boundmass='0' boundinertia='0'/><option gravity='0 0 " +
-                       numbers(&tree.gravity, 1) + "'><flag constraint='disable' contact='disable' passive='disable'/></option><worldbody>";
+                       numbers(&tree.gravity, 1) + "'><flag contact='disable' passive='disable'" +
+                       (tree.loops.empty() ? " constraint='disable'" : "") + "/></option><worldbody>";
     for (std::size_t i = 0; i < tree.links.size(); ++i)
       if (tree.links[i].parent < 0) write(static_cast<int>(i), text);
-    text += "</worldbody></mujoco>";
+    text += "</worldbody><equality>";
+    for (const PlainLoop& l : tree.loops) text += equality(l);
+    text += "</equality></mujoco>";
     const auto file = std::filesystem::temp_directory_path() / ("ugoki-bench-" + std::to_string(::getpid()) + ".xml");
     std::ofstream(file) << text;
     char why[1000] = "";
@@ -86,6 +89,12 @@ class MuJoCo final : public Peer {
     std::vector<double> out;
     for (const int dof : dofs_) out.push_back(x[dof]);
     return out;
+  }
+  static std::string equality(const PlainLoop& l) {  // soft: gaps are pulled together
+    const std::string b = "b" + std::to_string(l.b), a = "b" + std::to_string(l.a);
+    if (l.a < 0) return "<weld body1='" + b + "' relpose='" + numbers(l.inverse_p, 3) + numbers(l.inverse_rotation, 4) + "'/>";
+    if (l.weld) return "<weld body1='" + a + "' body2='" + b + "' relpose='" + numbers(l.p, 3) + numbers(l.rotation, 4) + "'/>";
+    return "<connect body1='" + a + "' body2='" + b + "' anchor='" + numbers(l.p, 3) + "'/>";
   }
   void write(int i, std::string& out) const {
     const PlainLink& l = tree_.links[static_cast<std::size_t>(i)];

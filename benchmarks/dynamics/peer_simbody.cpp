@@ -30,6 +30,16 @@ class Simbody final : public Peer {
         bodies.push_back(SimTK::MobilizedBody::Pin(parent, SimTK::Transform(turned, vector(l.p)), body, SimTK::Transform(turned)));
       }
     }
+    for (const PlainLoop& l : tree.loops) {
+      SimTK::MobilizedBody& a = l.a < 0 ? static_cast<SimTK::MobilizedBody&>(matter_.Ground()) : bodies[static_cast<std::size_t>(l.a)];
+      SimTK::MobilizedBody& b = bodies[static_cast<std::size_t>(l.b)];
+      const double* q = l.rotation;
+      if (l.weld)
+        SimTK::Constraint::Weld(a, SimTK::Transform(SimTK::Rotation(SimTK::Quaternion(q[0], q[1], q[2], q[3])), vector(l.p)), b,
+                                SimTK::Transform());
+      else
+        SimTK::Constraint::Ball(a, vector(l.p), b, vector(l.inverse_p));
+    }
     system_.realizeTopology();
     state_ = system_.getDefaultState();
     system_.realizeModel(state_);

@@ -19,9 +19,20 @@ struct PlainLink {
   double inertia[3] = {};  ///< kg m^2
 };
 
+/// A closed loop: link b welded to link a, or a ball joint between a point of each.
+struct PlainLoop {
+  int a = -1, b = -1;  ///< a -1: the world
+  bool weld = true;
+  double p[3] = {};          ///< weld: origin of b in a; ball: the point in a, in m
+  double rotation[4] = {1};  ///< weld: b in a, wxyz
+  double inverse_p[3] = {};  ///< weld: origin of a in b; ball: the point in b
+  double inverse_rotation[4] = {1};
+};
+
 /// A floating link has q: position, quaternion wxyz; v: angular velocity in the link, velocity in the world; tau likewise, and 0.
 struct PlainTree {
   std::vector<PlainLink> links;
+  std::vector<PlainLoop> loops;
   std::vector<double> q, v, tau;
   double gravity = -9.81;  ///< m/s^2 along z
 };
