@@ -329,6 +329,17 @@ TEST(Mjcf, BasesByOption) {
   EXPECT_EQ(read(text, options).mechanism->nv(), 13) << "what carries nothing that moves stays where it is";
 }
 
+TEST(Mjcf, SpringAndDamperFromATimeConstant) {
+  // a point-like mass of 2 kg at 0.5 m, and a rotor: I = 0.4 * 2 * 0.01 + 2 * 0.25 + 0.1
+  const RobotModel m =
+      read(world("<body name='b'><joint axis='0 1 0' armature='0.1' springdamper='0.2 0.5' stiffness='7'/><geom size='0.1' mass='2' pos='0 "
+                 "0 0.5'/></body>"));
+  const double I = 0.4 * 2 * 0.01 + 2 * 0.25 + 0.1;
+  const Freedom& f = link(m, "b").joint.freedoms[0];
+  EXPECT_NEAR(f.stiffness, I / (0.04 * 0.25), 1e-12);
+  EXPECT_NEAR(f.damping, 2 * I / 0.2, 1e-12);
+}
+
 // ---- meshes
 
 std::vector<Vec3> cube(double a, const Vec3& centre) {
@@ -439,14 +450,14 @@ TEST(MjcfMesh, AbsentOnes) {
 TEST(Mjcf, NotesTellWhatIsLeftOut) {
   const RobotModel m =
       read("<option gravity='0 0 -981' timestep='0.001' density='2'><flag gravity='disable'/></option><extension/>" +
-           world("<body name='b' gravcomp='1'><joint name='j' springdamper='0.1 1'/><geom type='ellipsoid' size='1 2 "
+           world("<body name='b' gravcomp='1'><joint name='j'/><geom type='ellipsoid' size='1 2 "
                  "3'/><flexcomp/><plugin/></body>"
                  "<body mocap='true'><geom size='0.1' contype='3'/></body>") +
            "<tendon><spatial/><fixed/></tendon><contact><exclude/></contact><actuator><muscle tendon='t'/></actuator><deformable/>"
            "<keyframe><key qpos='1 2 3 4'/></keyframe>");
   for (const char* part : {"Gravity of the model: 0 0 -981", "Time step", "density, viscosity", "switches gravity off", "<extension>",
-                           "gravcomp", "springdamper", "An ellipsoid", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon",
-                           "A fixed tendon", "<exclude>", "A drive on something else", "<deformable>", "Keyframes are left out"})
+                           "gravcomp", "An ellipsoid", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon", "A fixed tendon",
+                           "<exclude>", "A drive on something else", "<deformable>", "Keyframes are left out"})
     EXPECT_TRUE(has_note(m, part)) << part;
 }
 

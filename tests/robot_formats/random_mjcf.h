@@ -89,6 +89,7 @@ class RandomMjcf {
     if (below(3) == 0) out_ += " ref='" + (std::string(type) == "slide" ? to_text(in(-1, 1)) : angle(1)) + "'";
     if (below(3) == 0) out_ += " springref='" + to_text(in(-1, 1)) + "' stiffness='2'";
     if (below(3) == 0) out_ += " armature='0.02'";
+    if (below(6) == 0) out_ += " springdamper='0.1 0.7'";
     out_ += "/>";
   }
 

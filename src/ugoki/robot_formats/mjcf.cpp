@@ -28,6 +28,7 @@ Result<RobotModel> read_mjcf(std::string_view text, std::string_view file_name, 
   build.spec.name = root.has("model") ? root.text("model") : formats::stem_of(file_name);
   if (!files.full()) {
     make_mjcf_links(build);
+    set_mjcf_springs(build);
     read_mjcf_loops(build);
     read_mjcf_drives(build);
     read_mjcf_keyframes(build);

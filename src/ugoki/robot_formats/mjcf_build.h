@@ -54,6 +54,10 @@ void fit_mjcf_geoms(MjcfBody& body);
 /// Links of all bodies: a chain of links without mass for several joints of one body, a link "world" for the world's shapes.
 void make_mjcf_links(MjcfBuild& build);
 
+/// springdamper of joints: as in MuJoCo, spring and damper that give the freedom's inertia at the position of the file this time
+/// constant and damping ratio; both replace stiffness and damping. O(nv^3) where there are any.
+void set_mjcf_springs(MjcfBuild& build);
+
 /// <equality>: loops, and joints held fast.
 void read_mjcf_loops(MjcfBuild& build);
 

@@ -76,9 +76,7 @@ MjcfJoint read_mjcf_joint(const MjcfSource& source, const MjcfAttributes& a, con
     f.stiffness = 0;
     j.element.note("The spring of a free joint is left out.");
   }
-  double springdamper[2] = {0, 0};
-  if (a.numbers("springdamper", springdamper) && springdamper[0] > 0)
-    j.element.note("springdamper, which sets spring and damper from a time constant, is left out.");
+  (void)a.numbers("springdamper", j.springdamper, not_negative);
   read_joint_range(source, a, j);
   if ((j.type == MjcfJointType::slide || j.type == MjcfJointType::hinge) &&
       mjcf_limited(source.compiler(), a, "actuatorfrclimited", "actuatorfrcrange")) {

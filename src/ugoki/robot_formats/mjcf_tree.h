@@ -1,6 +1,7 @@
 #pragma once
 // The bodies of an MJCF model after frames, copies (replicate) and attached models are resolved. Internal to robot_formats.
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -19,10 +20,11 @@ struct MjcfJoint {
   MjcfElement element;
   std::string name;  ///< whole, with prefix and suffix; may be empty
   MjcfJointType type = MjcfJointType::hinge;
-  Vec3 pos, axis;   ///< in the body's frame; axis unit
-  double ref = 0;   ///< the coordinate that MuJoCo gives the position of the file; ours is 0 there
-  Freedom freedom;  ///< of each of its freedoms, about our zero
-  int link = -1;    ///< index in the spec's links; set when these are made
+  Vec3 pos, axis;                               ///< in the body's frame; axis unit
+  double ref = 0;                               ///< the coordinate that MuJoCo gives the position of the file; ours is 0 there
+  std::array<double, 2> springdamper = {0, 0};  ///< time constant [s], damping ratio; 0: not given
+  Freedom freedom;                              ///< of each of its freedoms, about our zero
+  int link = -1;                                ///< index in the spec's links; set when these are made
 };
 
 struct MjcfGeom {
