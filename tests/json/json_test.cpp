@@ -39,8 +39,8 @@ TEST(Json, FaultsHaveTheirLine) {
 }
 
 TEST(Json, FieldsTellEveryProblemByItsPath) {
-  const auto document =
-      parse_json(R"({"n": "x", "i": 1.5, "b": 0, "t": 3, "v": [1, 2], "w": [1, "2"], "l": {}, "m": [1, 2, 3], "extra": 0})", "f");
+  const auto document = parse_json(
+      R"({"n": "x", "i": 1.5, "b": 0, "t": 3, "v": [1, 2], "u": [1, 2, 3, 4], "w": [1, "2"], "l": {}, "m": [1, 2, 3], "extra": 0})", "f");
   ASSERT_TRUE(document);
   Error problems;
   Fields f(*document, "f:", problems);
@@ -53,6 +53,7 @@ TEST(Json, FieldsTellEveryProblemByItsPath) {
   f.boolean("b", b);
   f.text("t", t);
   EXPECT_FALSE(f.numbers("v", v));
+  EXPECT_FALSE(f.numbers("u", v));
   EXPECT_FALSE(f.numbers("w", w));
   EXPECT_EQ(f.list("l", 10, "entries"), nullptr);
   EXPECT_EQ(f.list("m", 2, "entries"), nullptr);
@@ -64,7 +65,7 @@ TEST(Json, FieldsTellEveryProblemByItsPath) {
     places.push_back(p.place);
     EXPECT_FALSE(p.message.empty() || p.remedy.empty()) << p.text();
   }
-  EXPECT_EQ(places, (std::vector<std::string>{"f:n", "f:i", "f:b", "f:t", "f:v", "f:w", "f:l", "f:m", "f:absent", "f:extra"}));
+  EXPECT_EQ(places, (std::vector<std::string>{"f:n", "f:i", "f:b", "f:t", "f:v", "f:u", "f:w", "f:l", "f:m", "f:absent", "f:extra"}));
   EXPECT_EQ(n, 7);
   EXPECT_EQ(i, 7);
   EXPECT_TRUE(b);
@@ -102,10 +103,16 @@ TEST(Json, FieldsReadWhatIsRight) {
 }
 
 TEST(Json, AHostileDocumentHasAShortAnswer) {
-  std::string text = "{";
-  for (int k = 0; k < 10'000; ++k) text += (k ? ",\"" : "\"") + std::string(1000, 'k') + std::to_string(k) + "\":0";
+  std::string text = "{\"list\": [0" + std::string(10'000, ' ') + ",[1,2,3]]";
+  for (int k = 1; k < max_fields; ++k) text += ",\"" + std::string(1000, 'k') + std::to_string(k) + "\":0";
   const auto document = parse_json(text + "}", "f");
-  ASSERT_TRUE(document);
+  ASSERT_TRUE(document) << document.error().text();
+  const auto refused = parse_json(text + ",\"more\":0}", "f");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().problems[0].code, ErrorCode::range);
+  std::string list = "[0";
+  for (int k = 0; k < 2 * max_fields; ++k) list += ",0";
+  EXPECT_TRUE(parse_json(list + "]", "f")) << "lists may be long";
   Error problems;
   Fields(*document, "f", problems).refuse_others();
   EXPECT_EQ(problems.problems.size(), most_problems);

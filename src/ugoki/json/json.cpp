@@ -21,9 +21,11 @@ std::string_view name_of(ErrorCode code) {
   return "unknown";
 }
 
-bool too_deep(std::string_view text) {
+/// What no document of ours has, and what the library would recurse or search too long over: a sentence, or empty.
+std::string excess_of(std::string_view text) {
   int depth = 0;
-  bool in_text = false;
+  int commas[max_depth + 1] = {};  // in the open object of each level; lists have as many entries as they like
+  bool in_object[max_depth + 1] = {}, in_text = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (in_text) {
@@ -32,12 +34,16 @@ bool too_deep(std::string_view text) {
     } else if (c == '"') {
       in_text = true;
     } else if (c == '{' || c == '[') {
-      if (++depth > max_depth) return true;
+      if (++depth > max_depth) return "Its brackets are nested deeper than " + std::to_string(max_depth) + " levels.";
+      in_object[depth] = c == '{';
+      commas[depth] = 0;
     } else if (c == '}' || c == ']') {
-      --depth;
+      if (depth > 0) --depth;
+    } else if (c == ',' && in_object[depth] && ++commas[depth] >= max_fields) {
+      return "It has an object with more than " + std::to_string(max_fields) + " fields.";
     }
   }
-  return false;
+  return {};
 }
 
 /// Remembers where the text stops making sense; builds nothing. Without exceptions the library tells it only so.
@@ -82,10 +88,8 @@ Result<Json> parse_json(std::string_view text, std::string_view name, std::size_
     return fail(ErrorCode::range, std::string(name),
                 "The text has " + std::to_string(text.size()) + " bytes, more than the " + std::to_string(max_size) + " allowed.",
                 "Make it smaller.");
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  if (too_deep(text))
-    return fail(ErrorCode::range, std::string(name), "Its brackets are nested deeper than " + std::to_string(max_depth) + " levels.",
-                "No valid document does; write it anew.");
+  if (const std::string excess = excess_of(text); !excess.empty())
+    return fail(ErrorCode::range, std::string(name), excess, "No valid document is like that; write it anew.");
   Json json = Json::parse(text.begin(), text.end(), nullptr, false);
   if (json.is_discarded()) return fault(text, name);
   return json;
