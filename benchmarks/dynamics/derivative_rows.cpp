@@ -28,7 +28,7 @@ void derivatives(Table& table) {
   const auto inverse_inertia = [&] {
     dynamics::calc_inertia_rows(*m, ws, s.q);
     if (dynamics::factor(ws, {}) >= 0) throw std::runtime_error("singular humanoid");
-    dynamics::calc_inverse_of_inertia(ws, d.dtau, d.inverse.below_q);
+    dynamics::calc_inverse_of_inertia(ws, d.dtau);
   };
   std::vector<Vec6> A_G(n);
   const auto centroidal = [&] {

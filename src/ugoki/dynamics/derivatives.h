@@ -23,8 +23,7 @@ namespace ugoki::dynamics {
 ///
 /// Entries live where a freedom j is on the chain of freedom k (Workspace::chain): `below` holds d tau_k / d_j, `above` holds
 /// d tau_j / d_k; all others are zero. expand() writes full matrices.
-class InverseDerivatives {
- public:
+struct InverseDerivatives {
   /// Sizes the rows of `ws` too, where that was not done yet (Workspace::make_rows).
   InverseDerivatives(const Mechanism& mechanism, Workspace& ws);
 
@@ -49,15 +48,14 @@ void calc_inverse_dynamics_derivatives(const Mechanism& m, Workspace& ws, std::s
 /// Full matrix of `below` and `above`. @param out [nv * nv] out[i * nv + j] = d tau_i / d_j
 void expand(const Workspace& ws, std::span<const double> below, std::span<const double> above, std::span<double> out);
 
-/// M^-1 as a full matrix from the factor in ws.L (factor() of ws.M): the rows of L^-1 live on chains too, so that entry (i, j) is a
-/// sum over the common ancestors of i and j only. O(nv^2 common depth). @param M_inverse [nv * nv, out] @param scratch [chain entries]
-void calc_inverse_of_inertia(const Workspace& ws, std::span<double> M_inverse, std::span<double> scratch);
+/// M^-1 as a full matrix from the factor in ws.L (factor() of ws.M). O(nv^2 depth), a few additions of rows for each row.
+/// @param M_inverse [nv * nv, out]
+void calc_inverse_of_inertia(const Workspace& ws, std::span<double> M_inverse);
 
 /// X <- (L^T D L)^-1 X for many right-hand sides at once. O(nv depth columns). @param X [nv * columns] row by row
 void solve_columns(const Workspace& ws, std::span<double> X, std::size_t columns);
 
-class ForwardDerivatives {
- public:
+struct ForwardDerivatives {
   ForwardDerivatives(const Mechanism& mechanism, Workspace& ws);
 
   std::vector<double> vdot;  ///< [nv]
@@ -65,11 +63,6 @@ class ForwardDerivatives {
   std::vector<double> dv;    ///< [nv * nv]
   std::vector<double> dtau;  ///< [nv * nv] M^-1, symmetric
   InverseDerivatives inverse;
-
- private:
-  friend int calc_forward_dynamics_derivatives(const Mechanism&, Workspace&, std::span<const double>, std::span<const double>, const Vec3&,
-                                               std::span<const Vec6>, ForwardDerivatives&);
-  std::vector<double> scratch_;
 };
 
 /// Forward dynamics and its derivatives. O(nv^2 depth), no allocation. Call after update_kinematics() with the same v.
