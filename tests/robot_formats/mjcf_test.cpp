@@ -190,6 +190,15 @@ TEST(Mjcf, FramesAndCopies) {
   EXPECT_EQ(m.joints[0].joint, "f_00");
 }
 
+TEST(Mjcf, CopiesOfCopiesAreNumberedFromTheInside) {
+  const RobotModel m =
+      read(world("<replicate count='3' offset='10 0 0'><replicate count='2' offset='1 0 0'><body name='n'><freejoint/><geom "
+                 "size='0.1'/></body></replicate></replicate>"));
+  EXPECT_EQ(m.mechanism->link_count(), 6);
+  EXPECT_EQ(link(m, "n10").joint.X_PJ.p.x, 1);
+  EXPECT_EQ(link(m, "n01").joint.X_PJ.p.x, 10);
+}
+
 TEST(Mjcf, WhatNamesACopyIsCopied) {
   const RobotModel m =
       read(world("<site name='ceiling'/><replicate count='3' offset='1 0 0'><body name='b'><joint name='j' axis='0 1 0'/><joint "
