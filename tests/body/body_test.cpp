@@ -185,6 +185,19 @@ TEST(Body, HeldStillWhileNothingMoves) {
   EXPECT_EQ(make_body(measured, keep)->mechanism->nv(), 6 + 3 * 18);
 }
 
+TEST(Body, JointThatTurnsOverIsReported) {
+  MeasuredMotion measured = testing::made_figure(20);
+  const std::size_t joints = measured.skeleton.joints.size();
+  const auto says = [](const Body& body) {
+    return std::any_of(body.report.begin(), body.report.end(), [](const std::string& s) {
+      return s.find("turn over from one frame to the next in the data: Chest (2);") != s.npos;
+    });
+  };
+  EXPECT_FALSE(says(*make_body(measured)));
+  for (std::size_t f = 8; f < 12; ++f) measured.rotations[f * joints + 2] = exp_map({0, 0, pi}) * measured.rotations[f * joints + 2];
+  EXPECT_TRUE(says(*make_body(measured)));
+}
+
 TEST(Body, ShiftingJointIsReported) {
   MeasuredMotion measured = testing::made_figure(20);
   measured.translations[5 * measured.skeleton.joints.size() + 2].z += 0.01;

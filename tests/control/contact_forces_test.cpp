@@ -21,11 +21,13 @@ std::vector<Support> two_feet(double friction) {
 /// Projected coordinate descent on the primal problem: slow, simple, another way.
 double primal_optimum(const std::vector<Support>& supports, const Vec3& origin, const Vec6& w, double lever, double eps) {
   std::vector<Vec6> G;
+  std::vector<double> prices;
   for (const Support& s : supports) {
     const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
     for (const Vec3& t : {t1, -t1, t2, -t2}) {
       const Vec3 e = s.n + t * s.friction;
       G.push_back({cross(s.p - origin, e) / lever, e});
+      prices.push_back(eps * s.price);
     }
   }
   std::vector<double> beta(G.size(), 0.0);
@@ -33,7 +35,7 @@ double primal_optimum(const std::vector<Support>& supports, const Vec3& origin, 
   for (int sweep = 0; sweep < 200000; ++sweep) {
     double change = 0;
     for (std::size_t k = 0; k < G.size(); ++k) {
-      const double next = std::max(0.0, beta[k] + (dot(G[k], r) - eps * beta[k]) / (dot(G[k], G[k]) + eps));
+      const double next = std::max(0.0, beta[k] + (dot(G[k], r) - prices[k] * beta[k]) / (dot(G[k], G[k]) + prices[k]));
       r -= G[k] * (next - beta[k]);
       change = std::max(change, std::fabs(next - beta[k]));
       beta[k] = next;
@@ -41,7 +43,7 @@ double primal_optimum(const std::vector<Support>& supports, const Vec3& origin, 
     if (change < 1e-12) break;
   }
   double value = 0.5 * dot(r, r);
-  for (const double b : beta) value += 0.5 * eps * b * b;
+  for (std::size_t k = 0; k < beta.size(); ++k) value += 0.5 * prices[k] * beta[k] * beta[k];
   return value;
 }
 
@@ -58,7 +60,9 @@ TEST(ContactForces, StandingWeightIsSharedAndNothingIsMissing) {
 TEST(ContactForces, IsTheOptimumThatAnotherMethodFinds) {
   std::mt19937_64 engine(5);
   for (int trial = 0; trial < 60; ++trial) {
-    const std::vector<Support> feet = two_feet(trial % 2 ? 0.7 : 0.3);
+    std::vector<Support> feet = two_feet(trial % 2 ? 0.7 : 0.3);
+    if (trial % 3 == 0)
+      for (Support& s : feet) s.price = 1 + 50 * std::fabs(random_number(engine, 1));
     const Vec6 w{{random_number(engine, 200), random_number(engine, 200), random_number(engine, 50)},
                  {random_number(engine, 400), random_number(engine, 400), 400 + random_number(engine, 800)}};
     const Vec3 origin{random_number(engine, 0.2), random_number(engine, 0.2), 0.9};

@@ -117,5 +117,56 @@ TEST(MotionControl, AssistIsNeverAboveItsCapAndHoldsWhatHasNoFeet) {
   EXPECT_NEAR(s.state.q[2], 2.0, 0.01);
 }
 
+TEST(MotionControl, FallsFreelyWhereNothingCarriesItAndStandsAgain) {
+  Simulation s;
+  s.state.q[2] = 1.11;  // 0.2 m too high, as is the reference
+  s.reference[2] = 1.11;
+  for (int i = 0; i < 50; ++i) {
+    s.step({});
+    if (i < 30) EXPECT_LT(s.last.size_bw, 0.01) << i;  // later the assist slows it down a little
+  }
+  EXPECT_NEAR(s.state.q[2], 1.11 - 0.5 * 9.81 * 0.1 * 0.1, 0.002);
+  for (int i = 0; i < 1500; ++i) s.step({});
+  EXPECT_FALSE(s.last.let_go);
+  EXPECT_NEAR(s.state.q[2], 0.91, 0.01);
+  EXPECT_LT(s.last.size_bw, 0.01);
+  EXPECT_NEAR(s.memory.shift[2], -0.2, 0.01);  // its path has come down with it
+}
+
+TEST(MotionControl, LetsGoWhereItFallsTooDeep) {
+  Simulation s;
+  s.state.q[2] = s.reference[2] = 2.5;
+  int steps = 0;
+  while (!s.last.let_go && steps < 1000) {
+    s.step({});
+    ++steps;
+  }
+  EXPECT_TRUE(s.last.let_go);
+  EXPECT_LT(s.state.q[2], 2.5 - 0.5 * 0.5 * s.control.lever());
+  EXPECT_GT(s.state.q[2], 0.91);
+}
+
+TEST(MotionControl, FliesAsAJumpDoes) {
+  // The reference jumps: up at 2 m/s, free flight, down again; the figure starts with it.
+  Simulation s;
+  const double g = 9.81, up = 2;
+  s.state.v[5] = up;
+  std::vector<double> v(s.rest.size()), a(s.rest.size());
+  for (int i = 0; i < 180; ++i) {
+    const double t = 0.002 * i;
+    calc_poses(*s.m, s.state.q, s.X);
+    const std::span<const Pose> poses(s.X);
+    collision::find_contacts(s.scene, std::span(&poses, 1), 0.02, s.workspace, s.contacts);
+    s.reference[2] = 0.91 + up * t - 0.5 * g * t * t;
+    v[5] = up - g * t;
+    a[5] = -g;
+    s.last = s.control.step({s.state.q, s.state.v, s.reference, v, a, s.contacts, 0, 0.002}, s.memory, s.state.tau, s.gain, s.target);
+    contact::StepSystem system{s.state.q, s.state.v, s.state.tau, s.state.external, s.gain, s.target};
+    ASSERT_EQ(s.stepper.step(std::span(&system, 1), s.contacts, 0.002).status, contact::StepStatus::ok);
+    if (i > 10) EXPECT_LT(s.last.size_bw, 0.02) << t;
+  }
+  EXPECT_NEAR(s.state.q[2], s.reference[2], 0.01);
+}
+
 }  // namespace
 }  // namespace ugoki::control

@@ -9,6 +9,7 @@
 #include "ugoki/body/joints.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
+#include "ugoki/motion/jumps.h"
 
 namespace ugoki::body {
 namespace {
@@ -272,11 +273,23 @@ class Maker {
       if (l.joint.type == JointType::floating) l.joint.X_PJ = {};
   }
 
+  void tell_jumps(const Motion& motion, const Mechanism& mech) {
+    const std::vector<Jump> jumps = find_jumps(motion, mech);
+    std::string list;
+    for (std::size_t from = 0, to = 0; from < jumps.size(); from = to) {
+      while (to < jumps.size() && jumps[to].link == jumps[from].link) ++to;
+      list += (from > 0 ? ", " : "") + mech.link(jumps[from].link).name + " (" + std::to_string(to - from) + ")";
+    }
+    if (!list.empty())
+      say("Joints that turn over from one frame to the next in the data: " + list + "; motion control leaves these jumps out.");
+  }
+
   /// Widens limits that the measured motion exceeds, and lays springs' rest positions at the motion's median.
   void fit_limits() {
     if (m_.frames < 1) return;
     const Motion motion = to_motion(body_, m_);
     const Mechanism& mech = *body_.mechanism;
+    tell_jumps(motion, mech);
     MechanismSpec spec = mech.spec();
     std::string widened;
     int count = 0;

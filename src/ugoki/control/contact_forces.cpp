@@ -45,8 +45,9 @@ Vec6 ContactForceProblem::solve(std::span<const Support> supports, const Vec3& o
   if (supports.empty()) return wrench;
   for (const Support& s : supports) {
     const Vec3 t1 = any_perpendicular(s.n), t2 = cross(s.n, t1);
+    const double scale = 1 / std::sqrt(s.price);  // of columns and forces: then all have the price 1
     for (const Vec3& t : {t1, -t1, t2, -t2}) {
-      const Vec3 edge = s.n + t * s.friction;
+      const Vec3 edge = (s.n + t * s.friction) * scale;
       edges_.push_back(edge);
       columns_.push_back({cross(s.p - origin, edge) / lever, edge});
     }

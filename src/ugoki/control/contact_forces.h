@@ -1,6 +1,6 @@
 #pragma once
 // Which ground forces can give a figure the wrench that its wanted motion needs? A small quadratic program:
-//   minimize  |W (G beta - w)|^2 + eps |beta|^2   over   beta >= 0,
+//   minimize  |W (G beta - w)|^2 + eps sum price_k beta_k^2   over   beta >= 0,
 // where column k of G is the wrench of a unit force along edge k of a contact's friction pyramid. It is solved exactly through
 // its dual, which has 6 unknowns whatever the number of contacts: W^-2 y + G max(0, G^T y) / eps = w, by Newton's
 // method on a piecewise linear, strongly convex problem.
@@ -19,6 +19,7 @@ struct Support {
   Vec3 p;  ///< m, world
   Vec3 n;  ///< unit, world
   double friction = 0;
+  double price = 1;  ///< factor on the price of squared force here
 };
 
 class ContactForceProblem {

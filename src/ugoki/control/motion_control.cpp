@@ -46,7 +46,7 @@ MotionControl::MotionControl(MechanismPtr mechanism, const ControlOptions& optio
   lever_ = std::max(0.1, X[0].p.z - low);
 }
 
-void MotionControl::find_supports(const ControlInput& in) {
+void MotionControl::find_supports(const ControlInput& in, const Vec3& shift) {
   const Mechanism& m = *mechanism_;
   dynamics::Workspace& ws = workspace_;
   supports_.clear();
@@ -64,14 +64,47 @@ void MotionControl::find_supports(const ControlInput& in) {
     const auto link = static_cast<std::size_t>(c.link_a);
     const Vec3 p_ref = reference_.X_WB[link] * (ws.X_WB[link].inverse() * c.p);
     const Vec3 v_ref = dynamics::point_velocity(reference_, c.link_a, p_ref);
-    const double height = dot(c.n, p_ref - c.p);
-    if (height > options_.planted_height || dot(c.n, v_ref) > options_.planted_speed) continue;
-    if (norm(v_ref - c.n * dot(c.n, v_ref)) > options_.sliding_speed) continue;
-    supports_.push_back({c.p, c.n, 0.7 * c.friction});  // a reserve inside the true cone
+    const double height = dot(c.n, p_ref + shift - c.p), rise = dot(c.n, v_ref);
+    if (height > options_.planted_height || rise > options_.planted_speed) continue;
+    if (norm(v_ref - c.n * rise) > options_.sliding_speed) continue;
+    // A heel that is about to leave the ground leaves the load to the toes.
+    const double lifts = std::max(0.0, rise) / options_.lifting_speed, price = 1 + lifts * lifts;
+    supports_.push_back({c.p, c.n, 0.7 * c.friction, price * price});  // a reserve inside the true cone
     support_links_.push_back(c.link_a);
     apart_.push_back(c.p - p_ref);
     for (const int f : dynamics::chain_of_link(ws, c.link_a)) bears_[static_cast<std::size_t>(f)] = 1;
   }
+}
+
+double MotionControl::fall(const Vec3& ahead, Vec6& missing, std::span<double> tau) {
+  if (options_.assist_limit >= 1 || !(weight_ > 0)) return 0;  // such an assist carries the figure
+  const double depth = std::clamp(-ahead.z / (options_.fall_depth * lever_), 0.0, 1.0);
+  const double up = missing.v.z > 0 ? missing.v.z * (1 - depth * depth) : missing.v.z;  // nothing pulls it down either
+  const double share = std::min(1.0, std::fabs(up) / weight_);
+  if (share < 1e-3) return 0;
+  const Vec3 given_up{share * missing.v.x, share * missing.v.y, up};
+  const Vec6 before = workspace_.F[0];
+  dynamics::calc_inverse_dynamics(*mechanism_, workspace_, wanted_, options_.gravity + given_up / mechanism_->mass(), {}, tau);
+  missing += workspace_.F[0] - before;
+  return share;
+}
+
+void MotionControl::carry_path(const ControlInput& in, std::span<const Vec3> forces, const Vec3& ahead, double falling,
+                               double (&path)[3]) const {
+  Vec3 shift{path[0], path[1], path[2]}, weighted;
+  double load = 0;
+  for (std::size_t c = 0; c < supports_.size(); ++c) {  // the load tells which foot counts
+    const double share = dot(forces[c], supports_[c].n);
+    weighted += apart_[c] * share;
+    load += share;
+  }
+  shift += (ahead - shift) * falling;
+  const bool stands = load > 0.05 * weight_;
+  if (stands) shift += (weighted / load - shift) * std::min(1.0, in.dt / options_.shift_time);
+  const double home = 1 - in.dt / options_.return_time;
+  path[0] = shift.x * home;
+  path[1] = shift.y * home;
+  path[2] = stands || falling > 0 ? shift.z : shift.z * home;
 }
 
 ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, std::span<double> tau, std::span<double> servo_gain,
@@ -88,7 +121,7 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   // Where it stands: contact points that touch, and that the reference has near the floor and not on their way up.
   const std::size_t root_freedoms = floating_ ? 6 : 0;
   dynamics::update_kinematics(m, in.q, in.v, ws);
-  find_supports(in);
+  find_supports(in, {state.shift[0], state.shift[1], state.shift[2]});
 
   // 1. Wanted accelerations; both errors are taken where they will be at the end of the step. The root and the joints that bear
   // it share one gain: feet on the ground tie them together, and unequal gains on tied freedoms are unstable.
@@ -111,24 +144,16 @@ ControlOutput MotionControl::step(const ControlInput& in, ControlState& state, s
   if (floating_) {
     const std::span<Vec3> forces(forces_.data(), supports_.size());
     out.wanted = problem_.solve(supports_, ws.p0, ws.F[0], lever_, 1e-4, forces);
+    // 4. What neither the ground nor an assist below the body's weight can carry
+    const Vec3 ahead{in.q[0] - in.q_ref[0], in.q[1] - in.q_ref[1], in.q[2] - in.q_ref[2]};
+    const double falling = fall(ahead, out.wanted, tau);
     for (std::size_t c = 0; c < supports_.size(); ++c) {
       const Vec6 wrench{cross(supports_[c].p - ws.p0, forces[c]), forces[c]};
       for (const int f : dynamics::chain_of_link(ws, support_links_[c]))
         tau[static_cast<std::size_t>(f)] -= dot(ws.S[static_cast<std::size_t>(f)], wrench);
     }
-    // Feet that have landed elsewhere than the reference's carry the path along: the load tells which foot counts.
-    Vec3 shift{state.shift[0], state.shift[1], state.shift[2]}, weighted;
-    double load = 0;
-    for (std::size_t c = 0; c < supports_.size(); ++c) {
-      const double share = dot(forces[c], supports_[c].n);
-      weighted += apart_[c] * share;
-      load += share;
-    }
-    if (load > 0.05 * weight_) shift += (weighted / load - shift) * std::min(1.0, in.dt / options_.shift_time);
-    const double home = 1 - in.dt / options_.return_time;
-    shift = {shift.x * home, shift.y * home, load > 0.05 * weight_ ? shift.z : shift.z * home};
-    for (int k = 0; k < 3; ++k) state.shift[k] = shift[k];
-    // 4. Root assist
+    carry_path(in, forces, ahead, falling, state.shift);
+    // 5. Root assist
     const double wanted_size = std::sqrt(dot(out.wanted.v, out.wanted.v) + dot(out.wanted.w, out.wanted.w) / (lever_ * lever_));
     const double cap = options_.assist_limit * weight_;
     out.ratio = cap > 0 ? wanted_size / cap : wanted_size > 1e-9 * weight_ ? 1e9 : 0.0;

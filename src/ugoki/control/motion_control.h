@@ -7,7 +7,8 @@
 //   2. inverse dynamics gives the joint torques and the wrench that the root would need;
 //   3. contact forces at the points where the figure stands, inside their friction pyramids, give as much of that wrench as they
 //      can (contact_forces.h; Abe 2007, da Silva 2008); joint torques carry them;
-//   4. what is still missing is the root assist: capped, applied, and reported. While more is wanted than the cap for longer
+//   4. what the ground cannot give of the weight is left to gravity: a figure in the air flies and falls, and its path goes along;
+//   5. what is still missing is the root assist: capped, applied, and reported. While more is wanted than the cap for longer
 //      than a moment, the figure lets go: from then on there is no drive torque and no assist. It is a ragdoll.
 
 #include <span>
@@ -22,24 +23,26 @@ namespace ugoki::control {
 struct ControlOptions {
   double tracking = 1;            ///< factor on the joints' gains, 0 ... 2
   double balance = 1;             ///< factor on the root's gains, 0 ... 2
-  double joint_frequency = 25;    ///< rad/s: how fast a free joint's error decays (critically damped)
-  double root_frequency = 17;     ///< rad/s: the same for the root and the joints between it and a foot that stands
-  double joint_hold = 0.2;        ///< s/rad: servo gain of a joint that bears load, times its strength^2 / (weight * lever)
+  double joint_frequency = 20;    ///< rad/s: how fast a free joint's error decays (critically damped)
+  double root_frequency = 20;     ///< rad/s: the same for the root and the joints between it and a foot that stands
+  double joint_hold = 0.3;        ///< s/rad: servo gain of a joint that bears load, times its strength^2 / (weight * lever)
   double assist_limit = 0.5;      ///< body weights: cap of the root assist (moments count at the lever of the root's height)
   double patience = 0.25;         ///< s: time constant with which the wanted assist is averaged before the figure lets go
   double contact_margin = 0.005;  ///< m: contacts nearer than this can bear load
-  double planted_height = 0.04;   ///< m above the present contact: a reference point higher than this is not planted
-  double planted_speed = 0.25;    ///< m/s upwards: a reference point faster than this is not planted
+  double planted_height = 0.04;   ///< m above the present contact: a point that the path has higher than this is not planted
+  double planted_speed = 0.5;     ///< m/s upwards: a reference point faster than this is not planted
+  double lifting_speed = 0.05;    ///< m/s upwards: a reference point that is faster bears load only where others cannot
   double sliding_speed = 0.8;     ///< m/s along the floor: a reference point faster than this is not planted
   double shift_time = 0.12;       ///< s: how fast the path follows feet that have landed elsewhere than the reference's
   double return_time = 2;         ///< s: how fast it comes back to the reference's path
+  double fall_depth = 0.5;        ///< of the root's height, below the reference: so far a figure that nothing carries falls freely
   Vec3 gravity{0, 0, -9.81};
 };
 
 /// Memory from tick to tick: plain data, for saving and restoring.
 struct ControlState {
   double overload = 0;          ///< averaged wanted assist / cap
-  double shift[3] = {0, 0, 0};  ///< m: by how much the figure's path has left the reference's, as its feet have it
+  double shift[3] = {0, 0, 0};  ///< m: by how much the figure's path has left the reference's, as its feet or its fall have it
   std::uint64_t let_go = 0;     ///< 1 once the figure has let go
 };
 
@@ -84,7 +87,13 @@ class MotionControl {
  private:
   MechanismPtr mechanism_;
   ControlOptions options_;
-  void find_supports(const ControlInput& input);
+  void find_supports(const ControlInput& input, const Vec3& shift);
+  /// Lets the figure fall as far as the ground does not carry it: lowers the acceleration wanted, the torques and what is missing.
+  /// @param ahead m, the root's place against its reference
+  /// @return how much of the figure's weight is left to gravity, 0 ... 1
+  double fall(const Vec3& ahead, Vec6& missing, std::span<double> tau);
+  /// Feet that have landed elsewhere than the reference's carry the path along, and so does a fall.
+  void carry_path(const ControlInput& input, std::span<const Vec3> forces, const Vec3& ahead, double falling, double (&shift)[3]) const;
 
   dynamics::Workspace workspace_, reference_;
   ContactForceProblem problem_;
