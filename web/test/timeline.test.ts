@@ -41,6 +41,9 @@ describe('snapping', () => {
     expect(((1 + delta) * 60) % 1).toBeCloseTo(0, 9);
     expect(at).toBeNull();
   });
+  it('leaves a target alone that is further than the tolerance', () => {
+    expect(snap_delta([1], 0.5, rules({ targets: [1.7] }))).toEqual({ delta: 0.5, at: null });
+  });
   it('is off when turned over', () => {
     expect(snap_delta([1], 0.1234, rules({ enabled: false, targets: [1.12] })).delta).toBeCloseTo(0.1234, 3);
   });
@@ -88,6 +91,10 @@ describe('dragging a clip', () => {
   it('stretches: the same motion in another time', () => {
     const { fields } = drag_clip(clip, 'stretch', 2, rules(), 3);
     expect(fields).toEqual({ length: 4, speed: 0.5 });
+  });
+  it('stretches to a tenth of the speed and to four times it, no further', () => {
+    expect(drag_clip(clip, 'stretch', 100, rules(), 3).fields).toEqual({ length: 20, speed: 0.1 });
+    expect(drag_clip(clip, 'stretch', -9, rules(), 3).fields).toEqual({ length: 0.5, speed: 4 });
   });
   it('slips the motion under the clip, within the motion', () => {
     expect(drag_clip(clip, 'slip', 0.25, rules(), 3).fields).toEqual({ offset: 0.25 });
