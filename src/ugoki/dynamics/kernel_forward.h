@@ -15,6 +15,7 @@ namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
 /// What an open system has in place of kernel_loops.h.
 struct NoLoops {
+  static constexpr bool present_at(int) { return false; }
   template <class... A>
   UGOKI_INLINE void begin(A&&...) {}
   template <class... A>
@@ -157,7 +158,6 @@ class ForwardKernel {
     }
     if (o.has_child) add(A, carry_);
     if (o.slot >= 0) add(A, slots_[o.slot]);
-    loops_.eliminate(i, A);
     return A;
   }
   UGOKI_INLINE void hand_on(const NodeOrder& o, const Articulated<T>& A) {
@@ -173,17 +173,25 @@ class ForwardKernel {
   template <Crossing K>
   UGOKI_INLINE void inward_revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    if (a_.constants[i].armature[0] != Real(0))
-      eliminate_revolute<K, true>(i, o);
-    else
-      eliminate_revolute<K, false>(i, o);
+    const bool armed = a_.constants[i].armature[0] != Real(0);
+    if (closed && loops_.present_at(i)) {  // apart: the many nodes without loops keep their registers
+      if (armed)
+        eliminate_revolute<K, true, true>(i, o);
+      else
+        eliminate_revolute<K, false, true>(i, o);
+    } else if (armed) {
+      eliminate_revolute<K, true, false>(i, o);
+    } else {
+      eliminate_revolute<K, false, false>(i, o);
+    }
   }
   /// Without armature the freedom's row and column of the inertia handed on are zero.
-  template <Crossing K, bool armed>
+  template <Crossing K, bool armed, bool loops>
   UGOKI_INLINE void eliminate_revolute(int i, const NodeOrder& o) {
     const NodeConstants<Real>& c = a_.constants[i];
     const T none(0), sign(c.sign);
     Articulated<T> A = gather(i);
+    if constexpr (loops) loops_.eliminate(i, A);
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const V3<T> r = vector_of<T>(c.p);
     const V3<T> w = w_[i + 1], w_up = w_[o.parent + 1];
@@ -197,9 +205,11 @@ class ForwardKernel {
     const T u = tau(o.v) * sign - A.n.z;
     const T step = u * d;
     f = {{Uw, Uv}, d, u};
-    loops_.freedom(i, 0, o.v, f.U, d, u, sign, [](const auto& P) { return P.w.z; });
-    loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, c_v});
-    loops_.hand_on(i, X, r);
+    if constexpr (loops) {
+      loops_.freedom(i, 0, o.v, f.U, d, u, sign, [](const auto& P) { return P.w.z; });
+      loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, c_v});
+      loops_.hand_on(i, X, r);
+    }
     if (o.parent < 0) return;
 
     const T dx = Uw.x * d, dy = Uw.y * d;
@@ -306,6 +316,7 @@ class ForwardKernel {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Real>& c = a_.constants[i];
     Articulated<T> A = gather(i);
+    loops_.eliminate(i, A);
     if (o.kind == NodeKind::floating) {
       solve_floating(i, A);
       return;
@@ -397,6 +408,13 @@ class ForwardKernel {
 
   template <Crossing K>
   UGOKI_INLINE void outward_revolute(int i) {
+    if (closed && loops_.present_at(i))
+      accelerate_revolute<K, true>(i);
+    else
+      accelerate_revolute<K, false>(i);
+  }
+  template <Crossing K, bool loops>
+  UGOKI_INLINE void accelerate_revolute(int i) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Real>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
@@ -408,11 +426,11 @@ class ForwardKernel {
     wd.y -= w.x * rate;
     const V3<T> a = X.down(up.v + cross(up.w, vector_of<T>(c.p))) + velocity_product_[i];
     const FreedomPass& f = freedom_[o.v];
-    const T vdot = f.d * (reduced_force(i, 0, f) - (dot(f.U.w, wd) + dot(f.U.v, a)));
+    const T vdot = f.d * ((loops ? reduced_force(i, 0, f) : f.u) - (dot(f.U.w, wd) + dot(f.U.v, a)));
     give(o.v, vdot * T(c.sign));
     wd.z += vdot;
     acceleration_[i + 1] = {wd, a};
-    loops_.recover(i, acceleration_[i + 1]);
+    if constexpr (loops) loops_.recover(i, acceleration_[i + 1]);
   }
 
   void outward(int i) {

@@ -12,6 +12,8 @@
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
+#define UGOKI_APART __attribute__((noinline))
+
 template <class T>
 class LoopPass {
  public:
@@ -27,43 +29,28 @@ class LoopPass {
       for (auto& row : a_.Lambda[i].x) none.store(row);
   }
 
+  [[nodiscard]] UGOKI_INLINE bool present_at(int node) const { return a_.nodes[node].present_count != 0; }
+
   // At a node, from the leaves.
 
   /// Loops that meet at the node: their multipliers leave.
   UGOKI_INLINE void eliminate(int node, Articulated<T>& A) {
-    if (a_.nodes[node].elimination_count != 0) eliminate_all(node, &A);
+    if (a_.nodes[node].elimination_count == 0) return;
+    Articulated<T> copy = A;  // A itself stays in registers
+    eliminate_all(node, &copy);
+    A = copy;
   }
 
   /// One freedom of the node whose motion is s_of(P) along the columns: `which` counts the node's freedoms.
   template <class Along>
   UGOKI_INLINE void freedom(int node, int which, int f, const Vec6T<T>& U, T d, T u, T sign, Along&& along) {
     const ClosedStructure::Node& n = a_.nodes[node];
-    if (n.passing_count == 0) return;
-    LoopLanes* const s = a_.s + n.s_slot + which * n.passing_count;
-    const Rows Ux(U.w.x.v), Uy(U.w.y.v), Uz(U.w.z.v), Vx(U.v.x.v), Vy(U.v.y.v), Vz(U.v.z.v), D(d.v), step((d * u).v);
-    for (int i = 0; i < n.passing_count; ++i) {
-      Columns P = columns(n.present + i);
-      Rows x = along(P);
-      if (n.gear_count != 0) x = x - gears(n, i, f, sign.v);
-      x.store(s[i].x);
-      const Rows t = x * D;
-      P.w.x -= Ux * t;
-      P.w.y -= Uy * t;
-      P.w.z -= Uz * t;
-      P.v.x -= Vx * t;
-      P.v.y -= Vy * t;
-      P.v.z -= Vz * t;
-      store(P, n.present + i);
-      LoopLanes& g = a_.g[a_.present[n.present + i].entry];
-      (Rows::load(g.x) - x * step).store(g.x);
-    }
-    couple(n, s, d.v);
+    if (n.passing_count != 0) pass_freedom(n, which, f, U, d, u, sign, along);
   }
 
   /// g -= P . c
   UGOKI_INLINE void velocity_product(int node, const Vec6T<T>& c) {
-    const ClosedStructure::Node& n = a_.nodes[node];
-    for (int i = 0; i < n.passing_count; ++i) subtract(a_.present[n.present + i].entry, along(columns(n.present + i), c));
+    if (a_.nodes[node].passing_count != 0) subtract_product(a_.nodes[node], c);
   }
 
   /// Across the joint: X turns a vector of the node into the parent's axes, r is the node's origin there.
@@ -72,6 +59,7 @@ class LoopPass {
     if (a_.nodes[node].passing_count != 0) cross_joint(a_.nodes[node], RevoluteCrossing<Rows, K>{Rows(X.s.v), Rows(X.c.v)}, r);
   }
   void hand_on(int node, const MatrixCrossing<T>& X, const V3<T>& r) {
+    if (a_.nodes[node].passing_count == 0) return;
     const Mat3T<T>& E = X.E;
     const Mat3T<Rows> wide{Rows(E.xx.v), Rows(E.xy.v), Rows(E.xz.v), Rows(E.yx.v), Rows(E.yy.v),
                            Rows(E.yz.v), Rows(E.zx.v), Rows(E.zy.v), Rows(E.zz.v)};
@@ -94,7 +82,7 @@ class LoopPass {
         subtract(e, y[k] * Rows((d[k] * u[k]).v));
       }
     }
-    for (int k = 6; k-- > 0;) couple(n, a_.s + n.s_slot + k * n.passing_count, d[k].v);
+    couple_floating(n, d);
   }
 
   // From the base.
@@ -147,8 +135,36 @@ class LoopPass {
     LoopLanes& g = a_.g[entry];
     (Rows::load(g.x) - x).store(g.x);
   }
+  // The work at a node that loops pass stays out of line: most nodes have none, and keep their registers.
+
+  template <class Along>
+  UGOKI_APART void pass_freedom(const ClosedStructure::Node& n, int which, int f, const Vec6T<T>& U, T d, T u, T sign, Along along) {
+    LoopLanes* const s = a_.s + n.s_slot + which * n.passing_count;
+    const Rows Ux(U.w.x.v), Uy(U.w.y.v), Uz(U.w.z.v), Vx(U.v.x.v), Vy(U.v.y.v), Vz(U.v.z.v), D(d.v), step((d * u).v);
+    for (int i = 0; i < n.passing_count; ++i) {
+      Columns P = columns(n.present + i);
+      Rows x = along(P);
+      if (n.gear_count != 0) x = x - gears(n, i, f, sign.v);
+      x.store(s[i].x);
+      const Rows t = x * D;
+      P.w.x -= Ux * t;
+      P.w.y -= Uy * t;
+      P.w.z -= Uz * t;
+      P.v.x -= Vx * t;
+      P.v.y -= Vy * t;
+      P.v.z -= Vz * t;
+      store(P, n.present + i);
+      LoopLanes& g = a_.g[a_.present[n.present + i].entry];
+      (Rows::load(g.x) - x * step).store(g.x);
+    }
+    couple(n, s, d.v);
+  }
+  UGOKI_APART void subtract_product(const ClosedStructure::Node& n, const Vec6T<T>& c) {
+    for (int i = 0; i < n.passing_count; ++i) subtract(a_.present[n.present + i].entry, along(columns(n.present + i), c));
+  }
+
   template <class Crossing>
-  UGOKI_INLINE void cross_joint(const ClosedStructure::Node& n, const Crossing& X, const V3<T>& r) {
+  UGOKI_APART void cross_joint(const ClosedStructure::Node& n, const Crossing& X, const V3<T>& r) {
     const V3<Rows> at{Rows(r.x.v), Rows(r.y.v), Rows(r.z.v)};
     for (int i = 0; i < n.passing_count; ++i) {
       const Columns P = columns(n.present + i);
@@ -158,6 +174,7 @@ class LoopPass {
       store(columns(parent) + up, parent);
     }
   }
+
   /// Row 0 of a gear that turns this freedom.
   Rows gears(const ClosedStructure::Node& n, int place, int f, double sign) const {
     Rows x(0);
@@ -175,6 +192,23 @@ class LoopPass {
       const int rows = a_.entries[a_.present[n.present + pair.a].entry].rows;
       const Rows t = Rows::load(s[pair.b].x) * Rows(d);
       for (int i = 0; i < rows; ++i) (Rows::load(block.x[i]) + Rows(s[pair.a].x[i]) * t).store(block.x[i]);
+    }
+  }
+
+  /// The same for the six freedoms of a floating base at once.
+  UGOKI_APART void couple_floating(const ClosedStructure::Node& n, const T* d) {
+    const LoopLanes* const s = a_.s + n.s_slot;
+    for (int p = n.pairs; p < n.pairs + n.pair_count; ++p) {
+      const ClosedStructure::Pair& pair = a_.pairs[p];
+      LoopBlock& block = a_.Lambda[pair.block];
+      const int rows = a_.entries[a_.present[n.present + pair.a].entry].rows;
+      Rows t[6];
+      for (int k = 0; k < 6; ++k) t[k] = Rows::load(s[k * n.passing_count + pair.b].x) * Rows(d[k].v);
+      for (int i = 0; i < rows; ++i) {
+        Rows sum = Rows::load(block.x[i]);
+        for (int k = 6; k-- > 0;) sum += Rows(s[k * n.passing_count + pair.a].x[i]) * t[k];
+        sum.store(block.x[i]);
+      }
     }
   }
 
