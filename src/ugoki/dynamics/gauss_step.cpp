@@ -21,7 +21,7 @@ constexpr double basis[3][3] = {
     {c[0] * c[2] / ((c[1] - c[0]) * (c[1] - c[2])), -(c[0] + c[2]) / ((c[1] - c[0]) * (c[1] - c[2])), 1 / ((c[1] - c[0]) * (c[1] - c[2]))},
     {c[0] * c[1] / ((c[2] - c[0]) * (c[2] - c[1])), -(c[0] + c[1]) / ((c[2] - c[0]) * (c[2] - c[1])), 1 / ((c[2] - c[0]) * (c[2] - c[1]))}};
 constexpr int max_iterations = 60;
-constexpr double noise = 1e-9;  // part of a step's change below which an iteration that stalls is taken as solved
+constexpr double noise = 1e-7;  // part of a step's change below which an iteration that stalls is taken as solved
 
 class GaussLegendre final : public StepMethod {
  public:
@@ -30,6 +30,10 @@ class GaussLegendre final : public StepMethod {
   void take(StepEquation& f, std::span<const double> a0, double h, bool afresh, StepResult& out) override {
     predict(f, a0, afresh ? 0 : h / last_h_);
     out.failure = iterate(f, h);
+    if (out.failure.failed() && !afresh) {  // a guess without the last step, which may be of no use beyond a bend
+      predict(f, a0, 0);
+      out.failure = iterate(f, h);
+    }
     if (out.failure.failed()) return;
     last_h_ = h;
     const std::size_t n2 = z_.size(), n = n2 / 2;
@@ -88,7 +92,7 @@ class GaussLegendre final : public StepMethod {
       std::swap(rates_, next_);
       // at rounding, or at the noise of the accelerations, the change no longer shrinks
       if (k > 0 && change >= last_change) ++stalls;
-      if (change == 0 || (stalls > 0 && change < 1e-13) || (stalls > 1 && change <= noise * moved)) return {};
+      if (change == 0 || (stalls > 0 && change < 1e-13) || (stalls > 2 && change <= noise * moved)) return {};
       if (k > 4 && change > 2 * last_change && change > noise * moved) break;
       last_change = change;
       settled = change <= noise * moved;
