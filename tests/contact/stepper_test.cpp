@@ -175,7 +175,12 @@ TEST(Stepper, JointLimitAndDryFrictionHold) {
   spec.links[0].joint.freedoms[0].friction = 5.0;  // its weight gives 4.9 N m
   World rubbed({Mechanism::make(spec).value()}, {-10, 0, 0}, {});
   for (int i = 0; i < 1000; ++i) ASSERT_EQ(rubbed.step(0.002).status, StepStatus::ok);
-  EXPECT_NEAR(rubbed.states[0].q[0], 0, 0.05);  // the softness lets it creep
+  EXPECT_NEAR(rubbed.states[0].q[0], 0, 0.05);     // the softness lets it creep
+  spec.links[0].joint.freedoms[0].friction = 3.0;  // too little: what is left of the weight moves it
+  World sliding({Mechanism::make(spec).value()}, {-10, 0, 0}, {});
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(sliding.step(0.002).status, StepStatus::ok);
+  const double vdot = (0.5 * 9.81 - 3.0) / (0.01 + 0.25);
+  EXPECT_NEAR(sliding.states[0].v[0], 0.02 * vdot, 0.01 * 0.02 * vdot);
 }
 
 TEST(Stepper, ImplicitDamperIsStableHoweverStiff) {

@@ -99,6 +99,63 @@ TEST(SmoothMotion, FilterTakesTheNoiseAndLeavesTheMotion) {
   EXPECT_LT(moved, 0.03);
 }
 
+/// The hinge alone, with angle(t) at `rate` for `frames` frames.
+template <class Angle>
+Motion hinge_only(const Mechanism& m, double rate, int frames, Angle angle) {
+  Motion motion;
+  motion.mechanism = m.name();
+  motion.rate = rate;
+  motion.frames = frames;
+  motion.nq = m.nq();
+  for (int f = 0; f < frames; ++f) {
+    std::vector<double> q = m.neutral();
+    q[11] = angle(f / rate);
+    motion.q.insert(motion.q.end(), q.begin(), q.end());
+  }
+  return motion;
+}
+
+TEST(SmoothMotion, CutOffIsWhereHalfThePowerPasses) {
+  const MechanismPtr m = figure();
+  for (const double cutoff : {3.0, 6.0, 15.0}) {
+    const SmoothMotion smooth(hinge_only(*m, 240, 961, [&](double t) { return std::sin(2 * pi * cutoff * t); }), *m, cutoff);
+    std::vector<double> q(12), v(10), a(10);
+    double most = 0;
+    for (double t = 1.5; t < 2.5; t += 1 / 240.0) {
+      smooth.sample(*m, t, q, v, a);
+      most = std::max(most, std::fabs(q[11]));
+    }
+    EXPECT_NEAR(most, std::sqrt(0.5), 0.01) << cutoff << " Hz";
+  }
+}
+
+TEST(SmoothMotion, SignsOfQuaternionsDoNotCount) {
+  const MechanismPtr m = figure();
+  const SmoothMotion plain(recorded(*m, 0, false), *m, 6), flipped(recorded(*m, 0, true), *m, 6);
+  std::vector<double> q(12), v(10), a(10), q2(12), d(10);
+  for (double t = 0; t < 3; t += 0.1) {
+    plain.sample(*m, t, q, v, a);
+    flipped.sample(*m, t, q2, v, a);
+    difference(*m, q, q2, d);
+    for (const double x : d) EXPECT_LT(std::fabs(x), 1e-12) << t;
+  }
+}
+
+TEST(SmoothMotion, CyclicMotionsAreSmoothAcrossTheirSeam) {
+  const MechanismPtr m = figure();
+  const double w = 2 * pi;  // one round of a second, and on by half a radian in each
+  Motion motion = hinge_only(*m, 120, 121, [&](double t) { return 0.5 * t + 0.3 * std::cos(w * t); });
+  motion.cyclic = true;
+  const SmoothMotion smooth(motion, *m, 6);
+  std::vector<double> q(12), v(10), a(10);
+  for (const double t : {0.0, 0.01, 0.99}) {
+    smooth.sample(*m, t, q, v, a);
+    EXPECT_NEAR(q[11], 0.5 * t + 0.3 * std::cos(w * t), 0.002) << t;
+    EXPECT_NEAR(v[9], 0.5 - 0.3 * w * std::sin(w * t), 0.02) << t;
+    EXPECT_NEAR(a[9], -0.3 * w * w * std::cos(w * t), 0.3) << t;
+  }
+}
+
 TEST(SmoothMotion, StandsStillBeforeAndAfter) {
   const MechanismPtr m = figure();
   const SmoothMotion smooth(recorded(*m, 0, false), *m, 6);
