@@ -32,9 +32,9 @@ void add(ArticulatedInertia& a, const ArticulatedInertia& b) {
   a.M = a.M + b.M;
 }
 
-/// Greatest distance of a link from the reference point, m.
+/// Greatest distance of a link from the reference point, and of that from the world's origin, m.
 double extent(const Workspace& ws) {
-  double greatest = 0;
+  double greatest = norm(ws.p0);
   for (const Pose& X : ws.X_WB) greatest = std::max(greatest, norm(X.p - ws.p0));
   return greatest;
 }
@@ -75,6 +75,7 @@ class ClosedSolver {
       c_.rank_ += c_.rank_of_[i];
       for (int k = 0; k < c_.rank_of_[i]; ++k) c_.independent_[at(x_.row[at(e.first + c_.pivots_[at(e.first + k)])])] = 1;
     }
+    c_.note_rank();
     return true;
   }
 
@@ -482,7 +483,7 @@ void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, st
 
 ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,
                               double& gap, int limit) {
-  double last = HUGE_VAL, dependent = dependent_correction;
+  double last = HUGE_VAL, dependent = std::max(dependent_row, dependent_correction * closed.typical());
   for (int step = 0;; ++step) {
     update_kinematics(m, q, v, ws);
     if (factor_closed_links(m, ws, closed, q, v, dependent) != ClosedStatus::ok) return ClosedStatus::singular_inertia;
@@ -498,6 +499,15 @@ ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& cl
     ClosedSolver solver(m, ws, closed);
     solver.residual_of_position();
     integrate(m, q, solver.correct(), 1.0, q);
+  }
+}
+
+void ClosedLinks::note_rank() {
+  if (rank_ > full_rank_) {
+    full_rank_ = rank_;
+    typical_ = weakest_;
+  } else if (rank_ == full_rank_) {
+    typical_ = std::max(typical_, weakest_);
   }
 }
 

@@ -29,8 +29,9 @@ struct InertiaShare {
 /// A pivot below this part of the greatest of the loop's rows of its kind is rounding: the row follows from others. The condensed matrix
 /// is quadratic in the Jacobian, so rows whose angle to the others is below 1e-6 rad count as dependent.
 inline constexpr double dependent_row = 1e-12;
-/// The same for corrections. Within an angle d of a singular position a gap of rounding eps would be answered by a correction eps / d
-/// of the position, eps / d^2 of the velocity and eps / d^3 of the acceleration; below 1e-3 rad it is better to wait.
+/// The same for corrections, as part of the typical least pivot. Within an angle d of a singular position a gap of rounding eps would be
+/// answered by a correction eps / d of the position, eps / d^2 of the velocity and eps / d^3 of the acceleration; below 1e-3 rad it is
+/// better to wait.
 inline constexpr double dependent_correction = 1e-6;
 
 /// Structure and scratch for one mechanism with loops; caller-owned, one a thread.
@@ -53,9 +54,13 @@ class ClosedLinks {
   [[nodiscard]] std::span<const double> multipliers() const { return multipliers_; }
   /// Independent rows found by the last factorization.
   [[nodiscard]] int rank() const { return rank_; }
-  /// The least pivot of an independent row in the last factorization, as part of the greatest of its kind: the square of an angle that is
-  /// small near a singular position. 1 without loops.
+  /// True where the last factorization was within about 3e-3 rad of a singular position (a dead point, a change point), or in it: its least
+  /// pivot is below 1e-5 of the greatest that this had so far, or its rank is.
+  [[nodiscard]] bool is_nearly_singular() const { return rank_ < full_rank_ || weakest_ < 1e-5 * typical_; }
+  /// The least pivot of an independent row in the last factorization, as part of the greatest of its kind. 1 without loops.
   [[nodiscard]] double weakest() const { return weakest_; }
+  /// The greatest least pivot of a factorization so far, as part of the greatest of its kind: small also where masses are very unequal.
+  [[nodiscard]] double typical() const { return typical_; }
   /// The freedom at which the last factorization found no inertia, or -1.
   [[nodiscard]] int singular_freedom() const { return singular_freedom_; }
   /// For each row of rows(): 1 if it took part in the last factorization as an independent one. [rows().count()]
@@ -89,7 +94,10 @@ class ClosedLinks {
   std::vector<double> delta_;  ///< [nv] corrections of the projections
   int rank_ = 0;
   int singular_freedom_ = -1;
-  double weakest_ = 1;
+  double weakest_ = 1;  ///< least pivot of an independent row, as part of the greatest of its kind
+  int full_rank_ = 0;   ///< greatest rank met
+  double typical_ = 0;  ///< greatest weakest_ met with it
+  void note_rank();
 
   std::unique_ptr<struct ClosedKernelState> kernel_;  ///< of the functions that start from q and v
 };

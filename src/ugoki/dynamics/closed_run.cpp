@@ -215,6 +215,7 @@ class ClosedRun {
       for (int k = 0; k < e.rows; ++k) links_.multipliers_[at(x_.row[at(e.first + k)])] = k_.lambda[i].x[k];
       for (int k = 0; k < F.rank; ++k) links_.independent_[at(x_.row[at(e.first + F.order[k])])] = 1;
     }
+    links_.note_rank();
   }
 
   const Mechanism& m_;

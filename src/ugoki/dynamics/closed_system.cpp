@@ -10,9 +10,6 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// weakest() below which accelerations are taken from beside the position: 3e-3 rad.
-constexpr double nearly_singular = 1e-5;
-
 std::vector<char> closed_loops(const ClosedLinks& links) {
   std::vector<char> closed;
   for (std::size_t i = 0; i < links.loops().size(); ++i) closed.push_back(links.is_closed(static_cast<int>(i)));
@@ -28,7 +25,6 @@ ClosedSystem::ClosedSystem(MechanismPtr mechanism, const OpenSystemOptions& opti
 
 void ClosedSystem::rebuild(std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows) {
   links_ = ClosedLinks(mechanism(), std::move(loops), closed, rows);
-  full_rank_ = 0;
 }
 
 int ClosedSystem::add_loop(Loop loop) {
@@ -108,8 +104,7 @@ int ClosedSystem::accelerate(double t, std::span<const double> q, std::span<cons
 int ClosedSystem::calc_acceleration(double t, std::span<const double> q, std::span<const double> v, std::span<double> vdot) {
   const int singular = accelerate(t, q, v, vdot);
   if (singular >= 0) return singular;
-  full_rank_ = std::max(full_rank_, links_.rank());
-  if (links_.weakest() > nearly_singular && links_.rank() == full_rank_) return -1;
+  if (!links_.is_nearly_singular()) return -1;
   if (accelerate_across(t, q, v, mean_)) std::ranges::copy(mean_, vdot.begin());
   return -1;
 }

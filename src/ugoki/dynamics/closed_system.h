@@ -55,7 +55,6 @@ class ClosedSystem : public OpenSystem {
   bool accelerate_beside(double t, double dt, std::span<const double> q, std::span<const double> v, double weight, std::span<double> sum);
 
   ClosedLinks links_;
-  int full_rank_ = 0;  ///< the greatest met
   std::vector<double> q_, v_, a_, guess_, mean_;
 };
 
