@@ -8,10 +8,10 @@
 #include <cmath>
 #include <limits>
 
-#include "random_mechanism.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/dynamics/kernels.h"
+#include "varied_mechanism.h"
 
 namespace ugoki::dynamics {
 namespace {
@@ -38,7 +38,7 @@ struct Crowd {
 
   Crowd(unsigned seed, int links, int instances) {
     RandomSource random(seed);
-    m = Mechanism::make(testing::random_spec(random, links, {}, seed % 2 == 0)).value();
+    m = Mechanism::make(testing::varied_spec(random, links, seed % 2 == 0)).value();
     for (int i = 0; i < instances; ++i) {
       State s(*m);
       testing::randomize(random, *m, s);
@@ -119,7 +119,7 @@ void expect_lanes_apart() {
   const auto lanes = static_cast<std::size_t>(BatchWorkspace<Real>::lanes);
   const auto poison = [&](std::vector<Real>& x) {
     for (std::size_t k = 0; k < x.size(); ++k)
-      if (k % lanes % 3 == 1) x[k] = k % 2 == 0 ? nan : huge;
+      if (k % lanes % 3 == 1) x[k] = k / lanes % 2 == 0 ? nan : huge;
   };
   for (std::vector<Real>* x : {&beside.q, &beside.v, &beside.tau, &beside.external}) poison(*x);
   step_semi_implicit(alone, gravity, 1e-3);
@@ -127,8 +127,10 @@ void expect_lanes_apart() {
   calc_inverse_dynamics(alone, gravity);
   calc_inverse_dynamics(beside, gravity);
   for (auto x : {&BatchWorkspace<Real>::q, &BatchWorkspace<Real>::v, &BatchWorkspace<Real>::vdot, &BatchWorkspace<Real>::tau})
-    for (std::size_t k = 0; k < (alone.*x).size(); ++k)
-      if (k % lanes % 3 != 1) ASSERT_EQ((alone.*x)[k], (beside.*x)[k]) << k;
+    for (std::size_t k = 0; k < (alone.*x).size(); ++k) {
+      if (k % lanes % 3 == 1) continue;
+      ASSERT_EQ((alone.*x)[k], (beside.*x)[k]) << k;
+    }
 }
 TEST(Batch, WhatOneLaneHoldsDoesNotTouchAnother) {
   for_each_width([](SimdWidth) {
@@ -201,7 +203,7 @@ TEST(Batch, SameBitsInEveryWidth) {
     const std::string hash = hash_of_all(crowd);
     if (first.empty()) first = hash;
     EXPECT_EQ(hash, first);
-    EXPECT_EQ(hash, "c211a4d1161d2aaf");  // computed with clang 19 at -O3
+    EXPECT_EQ(hash, "a629d8ca8acad2e3");  // computed with clang 19 at -O3
   });
   EXPECT_GE(widths, 1);
 }
