@@ -39,6 +39,9 @@ struct Bodies {
       if (link.real >= 0) join(hangs_on[i], body[static_cast<std::size_t>(link.real)]);
       join(hangs_on[i], body[i]);
     }
+    for (const Loop& loop : m.loops())  // links joined by a loop touch at their joint
+      if (loop.type != LoopType::gear && loop.type != LoopType::distance && loop.link_a >= 0 && loop.link_b >= 0)
+        join(body[static_cast<std::size_t>(loop.link_a)], body[static_cast<std::size_t>(loop.link_b)]);
     for (std::size_t i = 0; i < count; ++i) {
       const Link& link = m.links()[i];
       if (link.real >= 0) body[i] = body[static_cast<std::size_t>(link.real)];

@@ -33,6 +33,7 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
       }
       if (limited) x.limited.push_back(i);
     }
+    if (std::ranges::any_of(m.loops(), &Loop::closed)) x.loops = std::make_unique<SystemScratch::Loops>(m);
     for (const int d : workspaces_[s].depth) longest = std::max(longest, static_cast<std::size_t>(d) + 1);
   }
   point_rows_.resize(longest);
@@ -44,6 +45,7 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
   SystemScratch& x = scratch_[s];
   const std::size_t n = x.free_v.size();
   dynamics::update_kinematics(m, system.q, system.v, ws);
+  if (x.loops) dynamics::share_virtual_inertias(x.loops->links, ws);
   dynamics::calc_inertia_rows(m, ws);
   const bool servo = !system.servo_gain.empty();
   for (std::size_t i = 0; i < n; ++i) {
@@ -51,7 +53,9 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     if (servo) x.extra[i] += dt * system.servo_gain[i];
   }
   if (const int bad = dynamics::factor(ws, x.extra); bad >= 0) {
-    report = {StepStatus::singular, static_cast<int>(s), bad, 0, 0, 0, 0};
+    report.status = StepStatus::singular;
+    report.system = static_cast<int>(s);
+    report.freedom = bad;
     return;
   }
   if (x.springs || !x.limited.empty())
@@ -254,16 +258,16 @@ void Stepper::build_delassus() {
         }
     }
   }
-  for (std::size_t r = 0; r < rows; ++r) {
-    A_[r * rows + r] *= 1 + options_.softness;
-    diagonal_[r] = A_[r * rows + r];
-  }
+  for (auto r = static_cast<std::size_t>(loop_rows_); r < rows; ++r) A_[r * rows + r] *= 1 + options_.softness;
+  eliminate_loops();
+  for (std::size_t r = 0; r < rows; ++r) diagonal_[r] = A_[r * rows + r];
 }
 
 void Stepper::warm_start() {
   p_.assign(target_.size(), 0.0);
   std::size_t at = 0;
   for (const Block& block : blocks_) {
+    if (block.kind == RowKind::loop) continue;
     for (std::size_t tried = 0; tried < warm_.size(); ++tried) {
       const Warm& w = warm_[at];
       at = at + 1 < warm_.size() ? at + 1 : 0;
@@ -291,6 +295,7 @@ void Stepper::sweep_all(StepReport& report) {
     ++report.sweeps;
     double change = 0;
     for (const Block& block : blocks_) {
+      if (block.kind == RowKind::loop) continue;
       const auto r = static_cast<std::size_t>(block.row);
       const double old = p_[r];
       double next = old - velocity(r) / diagonal_[r];
@@ -360,14 +365,17 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     prepare(s, systems[s], dt, report);
     if (report.status != StepStatus::ok) return report;
   }
+  for (std::size_t s = 0; s < systems.size(); ++s) add_loop_rows(s, systems[s], dt);
+  loop_rows_ = static_cast<int>(blocks_.size());
   for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt);
-  report.contacts = static_cast<int>(blocks_.size());
+  report.contacts = static_cast<int>(blocks_.size()) - loop_rows_;
   for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
-  report.limits = static_cast<int>(blocks_.size()) - report.contacts;
+  report.limits = static_cast<int>(blocks_.size()) - loop_rows_ - report.contacts;
   if (!blocks_.empty()) {
     build_delassus();
     warm_start();
     sweep_all(report);
+    recover_loops();
     apply_impulses();
   }
   for (std::size_t s = 0; s < systems.size(); ++s) {
@@ -382,6 +390,7 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   }
   warm_.clear();
   for (const Block& block : blocks_) {
+    if (block.kind == RowKind::loop) continue;
     Warm w;
     w.key = block.key;
     for (int r = 0; r < block.rows; ++r) w.p[r] = p_[static_cast<std::size_t>(block.row + r)];
@@ -395,6 +404,7 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     const std::vector<double>& v = scratch_[s].free_v;
     for (std::size_t i = 0; i < v.size(); ++i) systems[s].v[i] = v[i];
     integrate(*mechanisms_[s], systems[s].q, v, dt, systems[s].q);
+    if (scratch_[s].loops) close_loops(s, systems[s], report);
   }
   return report;
 }

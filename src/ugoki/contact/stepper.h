@@ -7,16 +7,20 @@
 //   normal:    p_n >= 0,  u_n >= target,  p_n (u_n - target) = 0        (the paper's impulse (12)-(19) with restitution)
 //   friction:  |p_t| <= mu p_n, against the sliding velocity u_t
 //   limits:    p >= 0 against the velocity into the limit;   dry friction: |p| <= dt * friction
+//   loops:     u = -gap / dt, p free (closed link systems)
 // by block Gauss-Seidel on the Delassus matrix J M'^-1 J^T, which comes from the sparse factor of M' (rows live on the chains
 // of the touching links only). target is -distance/dt for gaps (contact is predicted one step ahead), a bounded
-// recovery velocity for penetrations, and -e u_n for impacts.
+// recovery velocity for penetrations, and -e u_n for impacts. Loops are eliminated from that matrix beforehand, exactly (Cholesky
+// with the greatest pivot first; rows that follow from others are left out), and positions are closed to rounding after the step.
 // Sources: Nagashima (1999) section 6.3; Hwangbo, Lee, Hutter (2018), Per-contact iteration; Featherstone (2008) ch. 8, 11.
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "ugoki/collision/contact_point.h"
+#include "ugoki/dynamics/closed_links.h"
 #include "ugoki/dynamics/dynamics.h"
 
 namespace ugoki::contact {
@@ -54,6 +58,7 @@ struct StepReport {
   double residual = 0;  ///< m/s: change of velocity in the last sweep
   int contacts = 0;     ///< contacts that took part
   int limits = 0;       ///< joint limits that took part
+  double loop_gap = 0;  ///< m | rad: greatest gap that the closed loops are left with
 };
 
 class Stepper {
@@ -87,8 +92,8 @@ class Stepper {
   struct Segment {
     int system, last, offset, length;
   };
-  enum class RowKind : unsigned char { contact, limit, friction };
-  /// A block of rows solved together: a contact (3), a limit (1), a dry friction (1).
+  enum class RowKind : unsigned char { contact, limit, friction, loop };
+  /// A block of rows solved together: a contact (3), a limit (1), a dry friction (1), a row of a loop (1). Loops come first.
   struct Block {
     RowKind kind;
     int row, rows;
@@ -99,6 +104,11 @@ class Stepper {
   };
 
   void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
+  void add_loop_rows(std::size_t s, const StepSystem& system, double dt);
+  void add_loop_row(std::size_t s, const Loop& loop, int index, int row, double dt);
+  void eliminate_loops();
+  void recover_loops();
+  void close_loops(std::size_t s, StepSystem& system, StepReport& report);
   void add_contact(int index, const collision::ContactPoint& c, double dt);
   void add_joint_rows(std::size_t s, double dt);
   int add_segment(std::size_t s, int last, int rows);
@@ -120,6 +130,13 @@ class Stepper {
     std::vector<int> limited;            // links with a limited freedom
     std::vector<int> rubbed;             // freedoms with dry friction
     bool springs = false;
+    struct Loops {
+      explicit Loops(const Mechanism& m) : links(m), rows(m.loops()), ws(m) {}
+      dynamics::ClosedLinks links;
+      dynamics::LoopRows rows;
+      dynamics::Workspace ws;  // of closing positions
+    };
+    std::unique_ptr<Loops> loops;  // of a mechanism with closed loops
   };
   std::vector<SystemScratch> scratch_;
   std::vector<Segment> segments_;
@@ -129,6 +146,11 @@ class Stepper {
   std::vector<double> diagonal_;  // [rows] softness
   std::vector<double> A_;         // [rows * rows] Delassus matrix
   std::vector<double> p_;         // [rows] impulses
+  int loop_rows_ = 0;             // the first rows
+  std::vector<int> pivots_;       // loop rows in the order of their elimination
+  std::vector<double> loop_L_;    // [pivots * rows] what each of them took with it
+  std::vector<double> loop_t_;    // [pivots]
+  std::vector<char> eliminated_;  // [rows]
   std::vector<Vec3> point_rows_;
   std::vector<Vec3> forces_;
   std::vector<Vec3> frames_;  // [contacts * 3] n, t1, t2

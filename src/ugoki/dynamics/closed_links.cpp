@@ -511,6 +511,11 @@ void ClosedLinks::note_rank() {
   }
 }
 
+void share_virtual_inertias(const ClosedLinks& closed, Workspace& ws) {
+  for (const InertiaShare& s : closed.shares_)  // real links, divided themselves, come last
+    ws.I[at(s.link)] = ws.I[at(s.source)] * s.part;
+}
+
 double greatest_gap(const ClosedLinks& closed) {
   double greatest = 0;
   for (std::size_t k = 0; k < closed.independent().size(); ++k)

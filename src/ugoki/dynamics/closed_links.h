@@ -69,6 +69,7 @@ class ClosedLinks {
  private:
   friend class ClosedSolver;
   friend class ClosedRun;
+  friend void share_virtual_inertias(const ClosedLinks& closed, Workspace& ws);
   friend struct ClosedKernelState;
 
   void share_inertias(const Mechanism& m);
@@ -139,6 +140,10 @@ void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, st
 /// @param gap [out] greatest remaining gap, m | rad. @param limit of Newton steps
 [[nodiscard]] ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q,
                                             std::span<const double> v, double& gap, int limit = 20);
+
+/// ws.I of virtual links without inertia of their own becomes their share of the real link's (docs/design/closed-links.md), as
+/// factor_closed_links() has it. After update_kinematics(), for methods that go over the tree themselves.
+void share_virtual_inertias(const ClosedLinks& closed, Workspace& ws);
 
 /// Greatest gap of the closed loops' independent rows, as the last factorization and update of the rows saw them, m | rad. (Rows that
 /// follow from others keep a gap of their own where the frames of a file do not quite agree.)
