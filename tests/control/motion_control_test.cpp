@@ -87,6 +87,9 @@ TEST(MotionControl, SwaysUnderAPushAndComesBack) {
   EXPECT_FALSE(s.last.let_go);
   EXPECT_GT(sway, 0.005);
   EXPECT_LT(std::fabs(s.state.q[0]), 0.02);
+  const double at_end = (s.X[0] * Vec3{0, 0, 0.4}).x;
+  EXPECT_LT(std::fabs(at_end), 0.3 * sway) << "most of the way is taken back";
+  for (const double v : s.state.v) EXPECT_LT(std::fabs(v), 0.02) << "and it is at rest";
 }
 
 TEST(MotionControl, LetsGoBeyondTheCapAndGetsNoHiddenHelp) {
@@ -96,12 +99,20 @@ TEST(MotionControl, LetsGoBeyondTheCapAndGetsNoHiddenHelp) {
   for (int i = 0; i < 500; ++i) s.step({});
   for (int i = 0; i < 1500; ++i) {
     s.step(i < 100 ? Vec3{1500, 0, 0} : Vec3{});
+    EXPECT_LE(norm(s.last.assist.v), (0.2 + 1e-9) * 9.81 * s.m->mass()) << "what is applied stays below the cap";
     if (!s.last.let_go) continue;
     EXPECT_EQ(norm(s.last.assist.v) + norm(s.last.assist.w), 0);
     for (const double t : s.state.tau) EXPECT_EQ(t, 0);
   }
   EXPECT_TRUE(s.last.let_go);
   EXPECT_LT(s.state.q[2], 0.4);  // it lies on the ground
+  // Put back on its feet at rest it stays limp.
+  s.state.q = s.m->neutral();
+  s.state.q[2] = 0.91;
+  s.state.v.assign(s.state.v.size(), 0.0);
+  for (int i = 0; i < 1000; ++i) s.step(i < 10 ? Vec3{50, 20, 0} : Vec3{});
+  EXPECT_TRUE(s.last.let_go);
+  EXPECT_LT(s.state.q[2], 0.6);
 }
 
 TEST(MotionControl, AssistIsNeverAboveItsCapAndHoldsWhatHasNoFeet) {
