@@ -110,6 +110,8 @@ TEST(MotionControl, LetsGoBeyondTheCapAndGetsNoHiddenHelp) {
   s.state.q = s.m->neutral();
   s.state.q[2] = 0.91;
   s.state.v.assign(s.state.v.size(), 0.0);
+  s.memory.overload = 0;
+  for (double& shift : s.memory.shift) shift = 0;
   for (int i = 0; i < 1000; ++i) s.step(i < 10 ? Vec3{50, 20, 0} : Vec3{});
   EXPECT_TRUE(s.last.let_go);
   EXPECT_LT(s.state.q[2], 0.6);
