@@ -40,7 +40,7 @@ double greatest_force(const MjcfCompiler& c, const MjcfAttributes& a) {
 
 class DriveReader {
  public:
-  explicit DriveReader(MjcfBuild& build) : build_(build), efforts_(build.spec.links.size(), 0.0), driven_(build.spec.links.size(), 0) {}
+  explicit DriveReader(MjcfBuild& build) : build_(build), efforts_(build.spec.links.size(), 0.0), driven_(build.spec.links.size(), false) {}
 
   void run() {
     for (const MjcfPart& part : build_.tree.parts)
@@ -74,7 +74,7 @@ class DriveReader {
   void add(const MjcfJoint& joint, double effort) {
     const auto link = static_cast<std::size_t>(joint.link);
     const bool scalar = joint.type == MjcfJointType::hinge || joint.type == MjcfJointType::slide;
-    driven_[link] = 1;
+    driven_[link] = true;
     if (!scalar) efforts_[link] = infinite;
     efforts_[link] += effort;
     if (std::isnan(efforts_[link])) efforts_[link] = infinite;
@@ -82,7 +82,7 @@ class DriveReader {
 
   MjcfBuild& build_;
   std::vector<double> efforts_;  ///< [links] sum over the drives of the link's joint
-  std::vector<char> driven_;
+  std::vector<bool> driven_;
 };
 
 void note_options(const MjcfElement& e, const MjcfDocument& document) {
