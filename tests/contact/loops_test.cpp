@@ -132,18 +132,23 @@ TEST(StepperLoops, AFrameFallsAndComesToRest) {
   }
 }
 
-TEST(StepperLoops, GearsTurnTogether) {
+TEST(StepperLoops, CoupledGearsTurnTogether) {
+  // Two gears share the middle wheel. Their rows are constant, so that velocities hold as exactly as positions.
   MechanismSpec spec;
   spec.name = "gears";
-  spec.links = {bar("a", "", {0, 0, 0}, 0.4), bar("b", "", {1, 0, 0}, 0.2)};
+  spec.links = {bar("a", "", {0, 0, 0}, 0.4), bar("b", "", {1, 0, 0}, 0.2), bar("c", "", {2, 0, 0}, 0.3)};
   spec.loops.push_back({.name = "teeth", .type = LoopType::gear, .link_a = "a", .link_b = "b", .polynomial = {0, -2, 0, 0, 0}});
+  spec.loops.push_back({.name = "more teeth", .type = LoopType::gear, .link_a = "c", .link_b = "b", .polynomial = {0, 0.5, 0, 0, 0}});
   Simulation sim(std::move(spec));
-  sim.state.q = {0, 0};
+  sim.state.q = {0, 0, 0};
   for (int i = 0; i < 500; ++i) {
     ASSERT_EQ(sim.step(1e-3, false).status, StepStatus::ok);
     ASSERT_NEAR(sim.state.q[0], -2 * sim.state.q[1], 1e-12);
+    ASSERT_NEAR(sim.state.q[2], 0.5 * sim.state.q[1], 1e-12);
+    ASSERT_NEAR(sim.state.v[0], -2 * sim.state.v[1], 1e-9);
+    ASSERT_NEAR(sim.state.v[2], 0.5 * sim.state.v[1], 1e-9);
   }
-  EXPECT_GT(std::fabs(sim.state.q[0]), 0.3);
+  EXPECT_GT(std::fabs(sim.state.q[0]), 0.05);
 }
 
 }  // namespace
