@@ -27,12 +27,12 @@ LinkSpec bar(const std::string& name, const std::string& parent, const Vec3& at,
   return l;
 }
 
-/// Four equal bars, closed as a square at q = (.., pi/2, pi/2, pi/2); the last pin is a loop, or a virtual link.
-MechanismSpec square(bool virtual_link, JointType base) {
+/// Four bars, closed as a square where they are equal and q = (.., pi/2, pi/2, pi/2); the last pin is a loop, or a virtual link.
+MechanismSpec square(bool virtual_link, JointType base, double third = 0.4) {
   MechanismSpec spec;
   spec.name = "square";
-  spec.links = {bar("a", "", {0, 0, 0}, 0.4), bar("b", "a", {0.4, 0, 0}, 0.4), bar("c", "b", {0.4, 0, 0}, 0.4),
-                bar("d", "c", {0.4, 0, 0}, 0.4)};
+  spec.links = {bar("a", "", {0, 0, 0}, 0.4), bar("b", "a", {0.4, 0, 0}, 0.4), bar("c", "b", {0.4, 0, 0}, third),
+                bar("d", "c", {third, 0, 0}, 0.4)};
   spec.links[0].joint.type = base;
   if (virtual_link) {
     spec.links.push_back(bar("a again", "d", {0.4, 0, 0}, 0.4));
@@ -81,8 +81,9 @@ struct Simulation {
 };
 
 TEST(StepperLoops, AClosedChainMovesAsItsOwnDynamicsSay) {
-  // Pinned at one corner, pushed; against the integrators' closed system at a first-order distance.
-  Simulation sim(square(false, JointType::revolute));
+  // Pinned at one corner, the bars unequal, so that its angles are not proportional; against the integrators' closed system at a
+  // first-order distance.
+  Simulation sim(square(false, JointType::revolute, 0.5));
   sim.state.q[0] = 0.6;
   dynamics::OpenSystemOptions options;
   options.joint_forces_on = false;
@@ -95,7 +96,7 @@ TEST(StepperLoops, AClosedChainMovesAsItsOwnDynamicsSay) {
   ASSERT_EQ(integrator.advance(0.3).status, dynamics::IntegrationStatus::reached);
   double difference[2] = {};
   for (const int refined : {1, 4}) {
-    Simulation again(square(false, JointType::revolute));
+    Simulation again(square(false, JointType::revolute, 0.5));
     again.state.q = q;
     const double dt = 1e-3 / refined;
     for (int i = 0; i < 300 * refined; ++i) {
