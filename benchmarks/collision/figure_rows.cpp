@@ -1,0 +1,2 @@
+// Rows of the superior tree.
+#include "table.h"
