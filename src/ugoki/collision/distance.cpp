@@ -1,5 +1,7 @@
 #include "ugoki/collision/distance.h"
 
+#include <algorithm>
+
 #include "ugoki/collision/box_box.h"
 #include "ugoki/collision/round_pair.h"
 #include "ugoki/collision/segment_box.h"
@@ -25,6 +27,17 @@ double bounding_radius(const Shape& s) {
     case ShapeType::sphere: return s.radius;
     case ShapeType::capsule: return s.radius + s.half_length;
     case ShapeType::box: return norm(s.half_extents);
+    case ShapeType::cylinder: return std::sqrt(s.radius * s.radius + s.half_length * s.half_length);
+    case ShapeType::ellipsoid: return std::max({s.half_extents.x, s.half_extents.y, s.half_extents.z});
+    case ShapeType::mesh: {
+      double most = 0;
+      for (const Vec3& p : s.geometry->vertices) most = std::max(most, dot(p, p));
+      return std::sqrt(most);
+    }
+    case ShapeType::height_field: {
+      const Bounds b = bounds(s);
+      return norm(Vec3{b.high.x, b.high.y, std::max(std::fabs(b.low.z), std::fabs(b.high.z))});
+    }
   }
   return 0;
 }
@@ -55,6 +68,7 @@ double distance(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_
 double distance_to_ground(const Shape& a, const Pose& X_WA, double height, Vec3* pa) {
   const Pose X = X_WA * a.X_BS;
   Vec3 lowest = X.p;
+  if (a.type > ShapeType::box) return X.p.z - reach(a, -X.R.row(2)) - height;
   if (a.type == ShapeType::box) {
     for (int i = 0; i < 3; ++i) {
       const Vec3 axis = X.R.column(i);

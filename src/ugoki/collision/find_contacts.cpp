@@ -22,6 +22,10 @@ double lowest_height(const Shape& s, double centre, const Vec3& up_B) {
     case ShapeType::capsule: return centre - s.radius - s.half_length * std::fabs(up.z);
     case ShapeType::box:
       return centre - s.half_extents.x * std::fabs(up.x) - s.half_extents.y * std::fabs(up.y) - s.half_extents.z * std::fabs(up.z);
+    case ShapeType::cylinder:
+    case ShapeType::ellipsoid:
+    case ShapeType::mesh:
+    case ShapeType::height_field: return centre - reach(s, -up);
   }
   return centre;
 }

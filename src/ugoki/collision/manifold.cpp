@@ -92,6 +92,7 @@ void add_round_box(const Round& world, const Box& box, bool flip, double margin,
 
 void find_manifold(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT, double margin, Manifold& out) {
   out.count = 0;
+  if (a.type > ShapeType::box || b.type > ShapeType::box) return;
   const bool box_a = a.type == ShapeType::box, box_b = b.type == ShapeType::box;
   if (box_a && box_b) return add_box_box({X_WS, a.half_extents}, {X_WT, b.half_extents}, margin, out);
   if (box_b) return add_round_box(make_round(a, X_WS), {X_WT, b.half_extents}, false, margin, out);
@@ -119,6 +120,10 @@ void find_ground_manifold(const Shape& a, const Pose& X, double height, double m
       for (std::uint32_t c = 0; c < 8; ++c) add(X.p + ((c & 1) != 0 ? x : -x) + ((c & 2) != 0 ? y : -y) + ((c & 4) != 0 ? z : -z), c);
       return;
     }
+    case ShapeType::cylinder:
+    case ShapeType::ellipsoid:
+    case ShapeType::mesh:
+    case ShapeType::height_field: return;
   }
 }
 

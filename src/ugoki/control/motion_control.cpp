@@ -13,13 +13,7 @@ constexpr std::size_t most_supports = 64;
 
 double lowest_point(const Shape& s, const Pose& X_WB) {
   const Pose X = X_WB * s.X_BS;
-  switch (s.type) {
-    case ShapeType::sphere: return X.p.z - s.radius;
-    case ShapeType::capsule: return X.p.z - s.radius - std::fabs(X.R.zz) * s.half_length;
-    case ShapeType::box:
-      return X.p.z - std::fabs(X.R.zx) * s.half_extents.x - std::fabs(X.R.zy) * s.half_extents.y - std::fabs(X.R.zz) * s.half_extents.z;
-  }
-  return X.p.z;
+  return X.p.z - reach(s, -X.R.row(2));
 }
 
 }  // namespace

@@ -125,11 +125,13 @@ std::optional<ShapeType> shape_type_named(std::string_view word) {
   if (word == "sphere") return ShapeType::sphere;
   if (word == "capsule") return ShapeType::capsule;
   if (word == "box") return ShapeType::box;
+  if (word == "cylinder") return ShapeType::cylinder;
+  if (word == "ellipsoid") return ShapeType::ellipsoid;
   return std::nullopt;
 }
 
 void read_shape(Fields& f, Shape& out) {
-  read_type(f, out.type, shape_type_named, "shape", "sphere, capsule and box");
+  read_type(f, out.type, shape_type_named, "shape", "sphere, capsule, box, cylinder and ellipsoid");
   f.number("radius", out.radius);
   f.number("half_length", out.half_length);
   read_vector(f, "half_extents", out.half_extents);

@@ -111,7 +111,7 @@ std::string inertia_text(const Inertia& inertia) {
 std::string shape_text(const Shape& s) {
   const Shape standard;
   Members m;
-  m.add("type", s.type == ShapeType::sphere ? "\"sphere\"" : s.type == ShapeType::capsule ? "\"capsule\"" : "\"box\"");
+  m.add("type", text_of(std::string(name_of(s.type))));
   m.add_unless("radius", s.radius, standard.radius);
   m.add_unless("half_length", s.half_length, standard.half_length);
   m.add_unless("half_extents", s.half_extents, standard.half_extents);

@@ -66,12 +66,25 @@ void check_joint(const LinkSpec& link, const std::string& place, Error& errors) 
   }
 }
 
+bool has_size(const Shape& s) {
+  const bool extents = s.half_extents.x > 0 && s.half_extents.y > 0 && s.half_extents.z > 0 && is_finite(s.half_extents);
+  const bool radius = s.radius > 0 && std::isfinite(s.radius) && std::isfinite(s.half_length);
+  switch (s.type) {
+    case ShapeType::sphere:
+    case ShapeType::capsule: return radius && s.half_length >= 0;
+    case ShapeType::cylinder: return radius && s.half_length > 0;
+    case ShapeType::box:
+    case ShapeType::ellipsoid: return extents;
+    case ShapeType::mesh: return s.geometry != nullptr;
+    case ShapeType::height_field: return s.field != nullptr;
+  }
+  return false;
+}
+
 void check_shapes(const LinkSpec& link, const std::string& place, Error& errors) {
   for (const Shape& s : link.shapes) {
-    const bool sized = s.type == ShapeType::box
-                           ? s.half_extents.x > 0 && s.half_extents.y > 0 && s.half_extents.z > 0 && is_finite(s.half_extents)
-                           : s.radius > 0 && std::isfinite(s.radius) && s.half_length >= 0 && std::isfinite(s.half_length);
-    if (!sized) errors.add(ErrorCode::structure, place, "a shape has no size.", "Give it a positive radius or extents.");
+    if (!has_size(s))
+      errors.add(ErrorCode::structure, place, "a shape has no size.", "Give it a positive radius or extents, a mesh or a height field.");
     if (!is_pose(s.X_BS))
       errors.add(ErrorCode::structure, place, "a shape's frame is not a rotation and a finite position.", "Give an orthonormal rotation.");
     if (!(s.friction >= 0) || !(s.restitution >= 0 && s.restitution <= 1))

@@ -33,12 +33,31 @@ std::vector<SupportPoint> support_points(const Link& link) {
       case ShapeType::capsule:
         for (const double e : {-1.0, 1.0}) points.push_back({s.X_BS * Vec3{0, 0, e * s.half_length}, s.radius});
         break;
-      case ShapeType::box:
-        for (const double x : {-1.0, 1.0})
-          for (const double y : {-1.0, 1.0})
-            for (const double z : {-1.0, 1.0})
-              points.push_back({s.X_BS * Vec3{x * s.half_extents.x, y * s.half_extents.y, z * s.half_extents.z}, 0});
+      case ShapeType::ellipsoid: {  // the ball that fits inside, at both ends of the longest axis
+        const Vec3 h = s.half_extents;
+        const int along = h.x >= h.y && h.x >= h.z ? 0 : h.y >= h.z ? 1 : 2;
+        const double r = std::min({h.x, h.y, h.z});
+        for (const double e : {-1.0, 1.0}) {
+          Vec3 end;
+          end[along] = e * (h[along] - r);
+          points.push_back({s.X_BS * end, r});
+        }
         break;
+      }
+      case ShapeType::cylinder:
+        for (const double e : {-1.0, 1.0})
+          for (const Vec3 rim : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{-1, 0, 0}, Vec3{0, -1, 0}})
+            points.push_back({s.X_BS * Vec3{rim.x * s.radius, rim.y * s.radius, e * s.half_length}, 0});
+        break;
+      case ShapeType::box:
+      case ShapeType::mesh: {  // corners of the box around it
+        const Bounds b = bounds(s);
+        for (const double x : {b.low.x, b.high.x})
+          for (const double y : {b.low.y, b.high.y})
+            for (const double z : {b.low.z, b.high.z}) points.push_back({s.X_BS * Vec3{x, y, z}, 0});
+        break;
+      }
+      case ShapeType::height_field: break;
     }
   }
   return points;

@@ -17,27 +17,10 @@ Json pose_json(const Pose& X) {
   return {X.p.x, X.p.y, X.p.z, q.w, q.x, q.y, q.z};
 }
 
-std::string_view name_of(ShapeType type) {
-  switch (type) {
-    case ShapeType::sphere: return "sphere";
-    case ShapeType::capsule: return "capsule";
-    case ShapeType::box: return "box";
-  }
-  return "sphere";
-}
-
 std::vector<Pose> neutral_poses(const Mechanism& mechanism) {
   std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
   calc_poses(mechanism, mechanism.neutral(), X);
   return X;
-}
-
-/// Half of the shape's extent along the direction d (unit, in the shape's frame).
-double half_extent(const Shape& s, const Vec3& d) {
-  if (s.type == ShapeType::box) {
-    return s.half_extents.x * std::abs(d.x) + s.half_extents.y * std::abs(d.y) + s.half_extents.z * std::abs(d.z);
-  }
-  return s.radius + (s.type == ShapeType::capsule ? s.half_length * std::abs(d.z) : 0);
 }
 
 }  // namespace
@@ -49,9 +32,8 @@ double shown_height(const Mechanism& mechanism) {
     for (const Shape& s : mechanism.link(i).shapes) {
       if (!s.visible) continue;
       const Pose X_WS = X[static_cast<std::size_t>(i)] * s.X_BS;
-      const double half = half_extent(s, X_WS.R.row(2));
-      low = std::min(low, X_WS.p.z - half);
-      high = std::max(high, X_WS.p.z + half);
+      low = std::min(low, X_WS.p.z - reach(s, -X_WS.R.row(2)));
+      high = std::max(high, X_WS.p.z + reach(s, X_WS.R.row(2)));
     }
   }
   return high > low ? high - low : 0;
@@ -65,7 +47,7 @@ std::string mechanism_json(std::string_view id, const Mechanism& mechanism) {
     Json shapes = Json::array();
     for (const Shape& s : link.shapes) {
       if (!s.visible) continue;
-      shapes.push_back({{"type", name_of(s.type)},
+      shapes.push_back({{"type", ugoki::name_of(s.type)},
                         {"radius", s.radius},
                         {"half_length", s.half_length},
                         {"half_extents", {s.half_extents.x, s.half_extents.y, s.half_extents.z}},
