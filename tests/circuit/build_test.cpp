@@ -29,6 +29,12 @@ TEST(Build, ReportsAllProblemsWithNames) {
                   "Nothing is wired to 'g.in'", "'g' has no parameter 'gian'", "circuit/wires/3/from"});
 }
 
+TEST(Build, AnOutputOfTheCircuitThatNothingIsWiredToIsNamed) {
+  expect_refused(R"({"version": 1, "name": "o", "outputs": [{"name": "speed", "type": "scalar", "from": []}],
+    "lsis": [{"id": "c", "type": "clock"}]})",
+                 {"circuit/outputs/0/from", "Nothing is wired to the circuit's output 'speed'"});
+}
+
 TEST(Build, ChecksParametersAndValues) {
   const auto with = [](const char* lsi) { return std::string(R"({"version": 1, "name": "p", "lsis": [)") + lsi + "]}"; };
   expect_refused(with(R"({"id": "g", "type": "gain", "parameters": {"gain": "much"}, "values": {"in": 1}})"),

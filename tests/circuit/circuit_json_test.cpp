@@ -11,6 +11,8 @@ const char* const everything = R"({
   "version": 1,
   "name": "everything",
   "doc": "Every field of the form, with \"quotes\" and umlauts: \u00e4.",
+  "inputs_at": [-220, 0.5],
+  "outputs_at": [640, 8],
   "inputs": [
     {"name": "x", "type": "scalar", "unit": "m", "doc": "In.", "to": ["a.a", "a.b"]}
   ],
@@ -28,6 +30,14 @@ const char* const everything = R"({
   ],
   "wires": [
     {"from": "a.out", "to": "half.in"}
+  ],
+  "notes": [
+    {"id": "n1", "text": "look\n\"here\"", "at": [3, -4], "size": [160, 80]},
+    {"id": "n2", "text": "", "at": [0, 0]}
+  ],
+  "probes": [
+    {"pin": "half.out", "at": [400, 20], "components": [0, 2]},
+    {"pin": "v.out", "at": [0, 0]}
   ],
   "circuits": [
     {
@@ -47,6 +57,9 @@ TEST(CircuitJson, KeepsEverythingThroughTextAndBack) {
   EXPECT_EQ(write_circuit(second), text);
   EXPECT_EQ(first.lsis[3].type, "somebody else's LSI");  // unknown LSIs are kept
   EXPECT_EQ(first.lsis[0].at.x, 10.5);
+  EXPECT_EQ(first.notes[0].text, "look\n\"here\"");
+  EXPECT_EQ(first.probes[0].components, (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(first.inputs_at->x, -220);
   EXPECT_EQ(std::get<std::vector<double>>(first.lsis[2].values[1].second)[2], 0.30000000000000004);
   EXPECT_NE(text.find("    {\"id\": \"half\", \"type\": \"gain\", \"every\": 4, \"parameters\": {\"gain\": 0.1}},\n"), std::string::npos)
       << text;
@@ -97,6 +110,11 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{R"({"version": 1, "outputs": [{"name": "x", "type": "scalar", "from": ["a.b", "a.c"]}]})",
                         "circuit/outputs/0/from"},
                     Bad{R"({"version": 1, "outputs": [{"name": "x.y", "type": "scalar", "from": "a.b"}]})", "circuit/outputs/0/name"},
+                    Bad{R"({"version": 1, "notes": [{"text": "x"}]})", "circuit/notes/0"},
+                    Bad{R"({"version": 1, "notes": [{"id": "n", "size": [1]}]})", "circuit/notes/0/size"},
+                    Bad{R"({"version": 1, "probes": [{"at": [0, 0]}]})", "circuit/probes/0/pin"},
+                    Bad{R"({"version": 1, "probes": [{"pin": "a.b", "components": [-1]}]})", "circuit/probes/0/components"},
+                    Bad{R"({"version": 1, "inputs_at": 3})", "circuit/inputs_at"},
                     Bad{R"({"version": 1, "circuits": [{"lsis": []}]})", "circuit/circuits/0"}));
 
 TEST(CircuitJson, TheExampleInTheDocumentationIsACircuit) {

@@ -2,6 +2,7 @@
 // A circuit as data: the form people edit and save. Nothing here is checked against a library; building an interpreter does that.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -46,7 +47,7 @@ struct BoundaryPin {
   PinTypeId type = PinTypeId::scalar;
   std::string unit;
   std::string doc;
-  std::vector<std::string> ends;  ///< inputs: the "id.pin" it leads to; outputs: the one "id.pin" it comes from
+  std::vector<std::string> ends;  ///< inputs: the "id.pin" it leads to; outputs: the one "id.pin" it comes from (none: it does not run yet)
   friend bool operator==(const BoundaryPin&, const BoundaryPin&) = default;
 };
 
@@ -58,14 +59,34 @@ struct BoundaryParameter {
   friend bool operator==(const BoundaryParameter&, const BoundaryParameter&) = default;
 };
 
+/// A note stuck into a circuit, for people only.
+struct Note {
+  std::string id;
+  std::string text;
+  Position at;
+  Position size;  ///< width, height; 0, 0: as large as its text
+  friend bool operator==(const Note&, const Note&) = default;
+};
+
+/// A curve of an output that the editor draws beside the LSIs.
+struct ProbeMark {
+  std::string pin;  ///< "id.pin"
+  Position at;
+  std::vector<std::uint32_t> components;  ///< numbers of the payload; none: the first few
+  friend bool operator==(const ProbeMark&, const ProbeMark&) = default;
+};
+
 struct Circuit {
   std::string name;
   std::string doc;
+  std::optional<Position> inputs_at, outputs_at;  ///< of the circuit's own pins in the editor
   std::vector<BoundaryPin> inputs;
   std::vector<BoundaryPin> outputs;
   std::vector<BoundaryParameter> parameters;
   std::vector<Instance> lsis;
   std::vector<Wire> wires;
+  std::vector<Note> notes;        ///< nothing runs these
+  std::vector<ProbeMark> probes;  ///< nor these
   std::vector<Circuit> circuits;  ///< used inside as LSIs, by name
   friend bool operator==(const Circuit&, const Circuit&) = default;
 };

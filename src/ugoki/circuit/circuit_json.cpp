@@ -42,15 +42,21 @@ class Reader {
                    "Flatten the innermost ones.");
       return c;
     }
-    known_fields(json, place, {"version", "name", "doc", "inputs", "outputs", "parameters", "lsis", "wires", "circuits"});
+    known_fields(json, place,
+                 {"version", "name", "doc", "inputs_at", "outputs_at", "inputs", "outputs", "parameters", "lsis", "wires", "notes",
+                  "probes", "circuits"});
     if (outermost) read_version(json, place);
     c.name = text(json, "name", place, !outermost);
     c.doc = text(json, "doc", place, false);
+    if (json.contains("inputs_at")) c.inputs_at = position(json, "inputs_at", place);
+    if (json.contains("outputs_at")) c.outputs_at = position(json, "outputs_at", place);
     each(json, "inputs", place, [&](const Json& j, const std::string& p) { c.inputs.push_back(read_pin(j, p, "to")); });
     each(json, "outputs", place, [&](const Json& j, const std::string& p) { c.outputs.push_back(read_pin(j, p, "from")); });
     each(json, "parameters", place, [&](const Json& j, const std::string& p) { c.parameters.push_back(read_parameter(j, p)); });
     each(json, "lsis", place, [&](const Json& j, const std::string& p) { c.lsis.push_back(read_instance(j, p)); });
     each(json, "wires", place, [&](const Json& j, const std::string& p) { c.wires.push_back(read_wire(j, p)); });
+    each(json, "notes", place, [&](const Json& j, const std::string& p) { c.notes.push_back(read_note(j, p)); });
+    each(json, "probes", place, [&](const Json& j, const std::string& p) { c.probes.push_back(read_probe(j, p)); });
     each(json, "circuits", place, [&](const Json& j, const std::string& p) { c.circuits.push_back(read(j, p, depth + 1, false)); });
     return c;
   }
@@ -150,8 +156,8 @@ class Reader {
     pin.unit = text(json, "unit", place, false);
     pin.doc = text(json, "doc", place, false);
     pin.ends = ends(json, direction, place);
-    if (std::string_view(direction) == "from" && pin.ends.size() != 1)
-      problems.add(ErrorCode::structure, place + "/from", "An output comes from exactly one pin.", "Name one \"id.pin\".");
+    if (std::string_view(direction) == "from" && pin.ends.size() > 1)
+      problems.add(ErrorCode::structure, place + "/from", "An output comes from one pin only.", "Name one \"id.pin\".");
     return pin;
   }
 
@@ -203,13 +209,7 @@ class Reader {
     lsi.type = text(json, "type", place, true);
     lsi.label = text(json, "label", place, false);
     lsi.note = text(json, "note", place, false);
-    if (const auto it = json.find("at"); it != json.end()) {
-      if (it->is_array() && it->size() == 2 && (*it)[0].is_number() && (*it)[1].is_number()) {
-        lsi.at = {(*it)[0].get<double>(), (*it)[1].get<double>()};
-      } else {
-        problems.add(ErrorCode::syntax, place + "/at", "A position [x, y] is expected here.", "Write two numbers.");
-      }
-    }
+    lsi.at = position(json, "at", place);
     if (const auto it = json.find("every"); it != json.end()) {
       if (it->is_number_unsigned() && it->get<std::uint64_t>() <= 1000000) {
         lsi.every = it->get<std::uint32_t>();
@@ -221,6 +221,43 @@ class Reader {
     read_values(json, "parameters", place, lsi.parameters);
     read_values(json, "values", place, lsi.values);
     return lsi;
+  }
+
+  Position position(const Json& json, const char* field, const std::string& place) {
+    const auto it = json.find(field);
+    if (it == json.end()) return {};
+    if (it->is_array() && it->size() == 2 && (*it)[0].is_number() && (*it)[1].is_number())
+      return {(*it)[0].get<double>(), (*it)[1].get<double>()};
+    problems.add(ErrorCode::syntax, place + "/" + field, "Two numbers [x, y] are expected here.", "Write two numbers.");
+    return {};
+  }
+
+  Note read_note(const Json& json, const std::string& place) {
+    Note note;
+    if (!object(json, place)) return note;
+    known_fields(json, place, {"id", "text", "at", "size"});
+    note.id = text(json, "id", place, true);
+    note.text = text(json, "text", place, false);
+    note.at = position(json, "at", place);
+    note.size = position(json, "size", place);
+    return note;
+  }
+
+  ProbeMark read_probe(const Json& json, const std::string& place) {
+    ProbeMark probe;
+    if (!object(json, place)) return probe;
+    known_fields(json, place, {"pin", "at", "components"});
+    const auto pin = json.find("pin");
+    probe.pin = end(pin == json.end() ? Json() : *pin, place + "/pin");
+    probe.at = position(json, "at", place);
+    const std::string at = place + "/components";
+    each(json, "components", place, [&](const Json& j, const std::string&) {
+      if (j.is_number_unsigned() && j.get<std::uint64_t>() < (1u << 24))
+        probe.components.push_back(j.get<std::uint32_t>());
+      else
+        problems.add(ErrorCode::syntax, at, "A list of whole numbers from 0 is expected here.", "Number the payload's values from 0.");
+    });
+    return probe;
   }
 
   Wire read_wire(const Json& json, const std::string& place) {
@@ -275,11 +312,29 @@ std::string pin_text(const BoundaryPin& pin, const char* direction) {
   return line + ", \"" + direction + "\": " + ends_text(pin.ends) + "}";
 }
 
+std::string position_text(const Position& p) { return "[" + to_text(p.x) + ", " + to_text(p.y) + "]"; }
+
+std::string note_text(const Note& note) {
+  std::string line = "{\"id\": " + quoted(note.id) + ", \"text\": " + quoted(note.text) + ", \"at\": " + position_text(note.at);
+  if (!(note.size == Position{})) line += ", \"size\": " + position_text(note.size);
+  return line + "}";
+}
+
+std::string probe_text(const ProbeMark& probe) {
+  std::string line = "{\"pin\": " + quoted(probe.pin) + ", \"at\": " + position_text(probe.at);
+  if (!probe.components.empty()) {
+    line += ", \"components\": [";
+    for (std::size_t i = 0; i < probe.components.size(); ++i) line += (i ? ", " : "") + std::to_string(probe.components[i]);
+    line += "]";
+  }
+  return line + "}";
+}
+
 std::string instance_text(const Instance& lsi) {
   std::string line = "{\"id\": " + quoted(lsi.id) + ", \"type\": " + quoted(lsi.type);
   add_text(line, "label", lsi.label);
   add_text(line, "note", lsi.note);
-  if (!(lsi.at == Position{})) line += ", \"at\": [" + to_text(lsi.at.x) + ", " + to_text(lsi.at.y) + "]";
+  if (!(lsi.at == Position{})) line += ", \"at\": " + position_text(lsi.at);
   if (lsi.every != 1) line += ", \"every\": " + std::to_string(lsi.every);
   add_values(line, "parameters", lsi.parameters);
   add_values(line, "values", lsi.values);
@@ -299,6 +354,8 @@ std::string circuit_text(const Circuit& c, const std::string& indent, bool outer
   if (outermost) out += "\"version\": " + std::to_string(circuit_version) + ",\n" + indent + "  ";
   out += "\"name\": " + quoted(c.name);
   if (!c.doc.empty()) out += ",\n" + indent + "  \"doc\": " + quoted(c.doc);
+  if (c.inputs_at) out += ",\n" + indent + "  \"inputs_at\": " + position_text(*c.inputs_at);
+  if (c.outputs_at) out += ",\n" + indent + "  \"outputs_at\": " + position_text(*c.outputs_at);
   write_list(out, indent, "inputs", c.inputs, [](const BoundaryPin& p) { return pin_text(p, "to"); });
   write_list(out, indent, "outputs", c.outputs, [](const BoundaryPin& p) { return pin_text(p, "from"); });
   write_list(out, indent, "parameters", c.parameters, [](const BoundaryParameter& p) {
@@ -309,6 +366,8 @@ std::string circuit_text(const Circuit& c, const std::string& indent, bool outer
   write_list(out, indent, "lsis", c.lsis, instance_text);
   write_list(out, indent, "wires", c.wires,
              [](const Wire& w) { return "{\"from\": " + quoted(w.from) + ", \"to\": " + quoted(w.to) + "}"; });
+  write_list(out, indent, "notes", c.notes, note_text);
+  write_list(out, indent, "probes", c.probes, probe_text);
   write_list(out, indent, "circuits", c.circuits, [&](const Circuit& inner) { return circuit_text(inner, indent + "    ", false); });
   return out + "\n" + indent + "}";
 }

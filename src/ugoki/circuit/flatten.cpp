@@ -329,6 +329,11 @@ class Flattener {
 
   /// What an output of a circuit comes from.
   Source boundary_source(const Level& level, const BoundaryPin& boundary, const std::string& place) {
+    if (boundary.ends.empty()) {
+      problem(ErrorCode::structure, place + "/from", "Nothing is wired to the circuit's output '" + level.prefix + boundary.name + "'.",
+              "Wire it, or remove the pin.");
+      return {};
+    }
     const Source source = find_source(level, boundary.ends[0], place + "/from");
     if (source.lsi < 0) return source;
     const FlatLsi& lsi = flat_.lsis[static_cast<std::size_t>(source.lsi)];
