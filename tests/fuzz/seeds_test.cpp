@@ -38,6 +38,8 @@ TEST(FuzzSeeds, Urdf) { run("urdf", fuzz_urdf); }
 TEST(FuzzSeeds, Sdf) { run("sdf", fuzz_sdf); }
 TEST(FuzzSeeds, Mesh) { run("mesh", fuzz_mesh); }
 TEST(FuzzSeeds, Mjcf) { run("mjcf", fuzz_mjcf); }
+TEST(FuzzSeeds, C3d) { run("c3d", fuzz_c3d); }
+TEST(FuzzSeeds, Trc) { run("trc", fuzz_trc); }
 
 }  // namespace
 }  // namespace ugoki

@@ -1,0 +1,69 @@
+#pragma once
+// Measured data before it has a skeleton: markers in space over time, and what was recorded beside them.
+// All in metres, seconds, Z up, X forward.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "ugoki/spatial/vec3.h"
+
+namespace ugoki {
+
+/// One analog channel, in the units it was calibrated to.
+struct AnalogChannel {
+  std::string label;
+  std::string unit;         ///< as the file names it: "N", "Nmm", "V"
+  std::string description;  ///< may be empty
+};
+
+/// A moment that was marked in a recording, for example "Left Foot Strike".
+struct MarkedEvent {
+  double time = 0;      ///< s on the recording's clock, on which frame i is at (first_frame - 1 + i) / rate
+  std::string label;    ///< "Foot Strike"
+  std::string context;  ///< "Left"; may be empty
+};
+
+/// A force platform, as C3D files describe it.
+struct ForcePlate {
+  int type = 2;                     ///< kind of its channels: 1 force and centre of pressure, 2 and 4 force and moment, 3 eight sensors
+  Vec3 corners[4];                  ///< m, world: in the order of the plate's quadrants (+x +y, -x +y, -x -y, +x -y)
+  Vec3 origin;                      ///< m, plate's axes: of the sensor from the middle of the surface (types 2, 4), sizes (3)
+  std::vector<int> channels;        ///< indices into MarkerMotion::analog
+  std::vector<double> calibration;  ///< [6][6] of type 4, row-major; otherwise empty
+};
+
+struct MarkerMotion {
+  std::string name;
+  std::string source;               ///< file name as read
+  std::vector<std::string> labels;  ///< [markers]
+  double unit = 1;                  ///< m per unit of length of the file
+  double rate = 100;                ///< frames a second
+  int frames = 0;
+  int first_frame = 1;           ///< number of the first frame in the recording
+  std::vector<Vec3> positions;   ///< [frames][markers] m; zero where not seen
+  std::vector<float> residuals;  ///< [frames][markers] m: how well the cameras agreed; -1 where the marker was not seen
+
+  double analog_rate = 0;             ///< samples a second, a whole multiple of `rate`; 0 without channels
+  std::vector<AnalogChannel> analog;  ///< [channels]
+  std::vector<double> samples;        ///< [frames * analog_rate / rate][channels]
+
+  std::vector<ForcePlate> plates;
+  std::vector<MarkedEvent> events;
+
+  [[nodiscard]] int marker_count() const { return static_cast<int>(labels.size()); }
+  [[nodiscard]] double duration() const { return frames > 1 ? (frames - 1) / rate : 0; }
+  [[nodiscard]] int samples_per_frame() const { return analog.empty() ? 0 : static_cast<int>(analog_rate / rate + 0.5); }
+  [[nodiscard]] bool seen(int frame, int marker) const { return residuals[index(frame, marker)] >= 0; }
+  [[nodiscard]] const Vec3& at(int frame, int marker) const { return positions[index(frame, marker)]; }
+  [[nodiscard]] std::size_t index(int frame, int marker) const {
+    return static_cast<std::size_t>(frame) * labels.size() + static_cast<std::size_t>(marker);
+  }
+  /// Index of the marker with this label; -1 if there is none.
+  [[nodiscard]] int find(const std::string& label) const;
+};
+
+/// Share of [frames * markers] that was seen, 0 ... 1.
+[[nodiscard]] double seen_share(const MarkerMotion& motion);
+
+}  // namespace ugoki
