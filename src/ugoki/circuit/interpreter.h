@@ -12,20 +12,27 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/circuit/circuit.h"
+#include "ugoki/circuit/input_record.h"
 #include "ugoki/circuit/library.h"
 #include "ugoki/circuit/resources.h"
 
 namespace ugoki::circuit {
 
+struct Activity;
+class Executor;
+
 struct BuildOptions {
-  double dt = 0.002;         ///< s, between ticks
-  bool check_finite = true;  ///< after each LSI, stop if a number it gave is not finite
+  double dt = 0.002;             ///< s, between ticks
+  bool check_finite = true;      ///< after each LSI, stop if a number it gave is not finite
+  Activity* activity = nullptr;  ///< where to note which LSI runs (activity.h); outlives the interpreter
 };
 
 /// Why an interpreter stopped. The values of delayed outputs (the state) are still those of the last good tick.
 struct Stop {
   std::string lsi;
+  std::string pin;  ///< "id.pin" of the output that was not finite; empty otherwise
   std::string reason;
+  std::string inputs;  ///< " Its inputs were ..." for those of few numbers
   std::uint64_t tick = 0;
   double time = 0;  ///< s
   [[nodiscard]] std::string text() const;
@@ -50,10 +57,49 @@ struct Timing {
   std::uint64_t total = 0;
 };
 
+enum class Comparison : std::uint8_t { above, below, equal, not_equal, changed };
+
+/// A condition on a number of a pin. It is met at the tick at which it becomes true.
+struct Breakpoint {
+  std::string pin;  ///< "id.pin"
+  std::size_t component = 0;
+  Comparison comparison = Comparison::above;
+  double value = 0;  ///< unused by `changed`
+};
+
+/// What probes have caught: rows of the same numbers, oldest first.
+class ProbeRows {
+ public:
+  [[nodiscard]] std::size_t size() const { return rows_; }
+  [[nodiscard]] std::uint64_t first() const { return first_; }  ///< rows that were caught and overwritten before row 0
+  [[nodiscard]] std::uint64_t tick(std::size_t row) const { return ticks_[at(row)]; }
+  /// The numbers of all pins, in the order in which they were given to set_probes.
+  [[nodiscard]] std::span<const double> numbers(std::size_t row) const { return {data_ + at(row) * width_, width_}; }
+
+ private:
+  friend class Interpreter;
+  [[nodiscard]] std::size_t at(std::size_t row) const { return static_cast<std::size_t>((first_ + row) % capacity_); }
+  const double* data_ = nullptr;
+  const std::uint64_t* ticks_ = nullptr;
+  std::size_t rows_ = 0, width_ = 0, capacity_ = 1;
+  std::uint64_t first_ = 0;
+};
+
+/// An output that the host writes between ticks: a key, an axis, a packet.
+struct DeviceSlot {
+  std::string id;       ///< of the LSI
+  std::string device;   ///< LsiClass::device: "keyboard"
+  std::string address;  ///< its first text or choice: which key
+  std::string pin;
+  std::span<double> numbers;
+};
+
 class Interpreter {
  public:
   /// Counts in any unit; nothing in the runtime depends on it.
   using Clock = std::uint64_t (*)();
+  /// The processor's counter of time, the cheapest clock there is (0 where there is none).
+  static std::uint64_t processor_clock();
   /// The form that runs; seen by the runtime only.
   struct Machine;
 
@@ -68,6 +114,10 @@ class Interpreter {
 
   /// Computes one tick. False: an LSI stopped it (see stopped()); a stopped interpreter stays so until reset or restore.
   bool tick();
+  /// Runs one LSI of the tick that is under way, or the first of the next; the last one ends the tick. tick() completes what is begun.
+  bool step_lsi();
+  /// Id of the LSI that step_lsi would run; empty where the circuit has none.
+  [[nodiscard]] std::string next_lsi() const;
   /// Runs the LSIs that run on demand only (displays), on the values of the last tick. False: one of them stopped.
   bool refresh();
   /// Back to the first state.
@@ -84,6 +134,9 @@ class Interpreter {
   /// Payload of an input of the circuit itself, to be written between ticks; empty if there is none of this name. Keeps its value.
   [[nodiscard]] std::span<std::byte> find_circuit_input(std::string_view name);
 
+  /// All outputs that devices feed. They keep their values until they are written again.
+  [[nodiscard]] std::vector<DeviceSlot> devices();
+
   /// Changes a live parameter between ticks: `pin` is "id.parameter", `component` counts in vectors.
   Result<void> set_parameter(std::string_view parameter, double value, std::size_t component = 0);
 
@@ -92,12 +145,37 @@ class Interpreter {
   /// Refuses bytes of another circuit and damaged ones, and is then unchanged.
   Result<void> restore(std::span<const std::byte> bytes);
   /// Takes over the state of every LSI that is the same in `other` (id, class, version, sizes): for rebuilding a circuit while
-  /// it runs. @return number of LSIs whose state was taken
-  std::size_t adopt(Interpreter& other);
+  /// it runs. Where only the layout of the state differs, declared fields of the same name, type and count are taken.
+  /// @return number of LSIs whose state was taken whole
+  std::size_t adopt(Interpreter& other) { return adopt_report(other).kept; }
+  struct Adoption {
+    std::size_t kept = 0;
+    std::vector<std::string> partly, afresh;  ///< sentences: "'id': the field 'y' is new."
+  };
+  Adoption adopt_report(Interpreter& other);
 
   /// Null: off. Starts counting at zero.
   void set_timing(Clock clock);
   [[nodiscard]] std::vector<Timing> timings() const;
+
+  /// Catches these numeric pins ("id.pin") at each `every`-th tick, as consumers see them, into a ring of `rows`. Replaces what was probed.
+  Result<void> set_probes(std::span<const std::string> pins, std::size_t rows, std::uint32_t every = 1);
+  [[nodiscard]] ProbeRows probes() const;
+
+  /// Replaces all breakpoints. A tick at which one is met is completed; breakpoint_hit() then tells which.
+  Result<void> set_breakpoints(std::span<const Breakpoint> breakpoints);
+  /// Index of the breakpoint that the last tick met, or -1.
+  [[nodiscard]] int breakpoint_hit() const;
+
+  /// Records what comes from outside (inputs of the circuit, devices, parameters), from now on.
+  void start_recording();
+  /// What was recorded, with the time between ticks and a hash of the circuit.
+  [[nodiscard]] InputRecord recording() const;
+  /// From now on every change comes at its tick. Refuses a record of another circuit.
+  Result<void> replay(const InputRecord& record);
+
+  /// Runs independent LSIs on several threads, with the same bits; null: on this one. It outlives the interpreter.
+  void set_executor(Executor* executor);
 
   /// Ids in the order in which steps run.
   [[nodiscard]] std::vector<std::string> schedule() const;

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "ugoki/base/check.h"
+#include "ugoki/base/hash.h"
 
 namespace ugoki::circuit {
 namespace {
@@ -39,6 +40,33 @@ int LsiClass::find_input(std::string_view pin) const { return find_by_name(input
 int LsiClass::find_output(std::string_view pin) const { return find_by_name(outputs, pin); }
 int LsiClass::find_parameter(std::string_view parameter) const { return find_by_name(parameters, parameter); }
 
+std::size_t bytes_of(FieldType type) {
+  switch (type) {
+    case FieldType::f64:
+    case FieldType::i64:
+    case FieldType::u64: return 8;
+    case FieldType::f32:
+    case FieldType::i32:
+    case FieldType::u32: return 4;
+    case FieldType::i8:
+    case FieldType::u8: return 1;
+  }
+  return 0;
+}
+
+std::uint64_t LsiClass::state_layout() const {
+  Hash64 hash;
+  hash.add(std::uint64_t{version});
+  hash.add(std::uint64_t{state_bytes});
+  for (const StateField& f : fields) {
+    hash.add_bytes(f.name.data(), f.name.size() + 1);
+    hash.add(static_cast<std::uint64_t>(f.type));
+    hash.add(std::uint64_t{f.offset});
+    hash.add(std::uint64_t{f.count});
+  }
+  return hash.value();
+}
+
 void Library::add(LsiClass c) {
   UGOKI_CHECK(!c.name.empty() && !find(c.name));
   check_names(c.inputs);
@@ -50,7 +78,11 @@ void Library::add(LsiClass c) {
     multiple_seen = pin.multiple;
     UGOKI_CHECK(!pin.direct || c.step || c.advance);
   }
-  for (const OutputPin& pin : c.outputs) UGOKI_CHECK(!pin.delayed || c.advance);
+  for (const OutputPin& pin : c.outputs) {
+    UGOKI_CHECK(!pin.delayed || c.advance);
+    UGOKI_CHECK(pin.like < static_cast<int>(c.inputs.size()));
+  }
+  for (const StateField& f : c.fields) UGOKI_CHECK(f.offset + f.count * bytes_of(f.type) <= c.state_bytes);
   for (const Parameter& p : c.parameters) {
     switch (p.kind) {
       case ParameterKind::number:

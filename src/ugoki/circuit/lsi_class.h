@@ -14,36 +14,18 @@
 #include <variant>
 #include <vector>
 
+#include <ugoki/lsi.h>
+
 #include "ugoki/circuit/pin_type.h"
 
 namespace ugoki::circuit {
 
-/// The moment for which a tick computes. Plain data.
-struct Tick {
-  double time = 0;          ///< s, index * dt
-  double dt = 0;            ///< s
-  std::uint64_t index = 0;  ///< ticks done before this one
-};
-
-/// What step, advance and init are given: addresses bound once when the circuit is built. Plain data, so that a function
-/// compiled elsewhere can be called through it.
-struct Call {
-  const void* const* in;           ///< payload of every wire into this LSI; pin i is in[in_first[i]] (in[i] as long as no earlier pin is
-                                   ///< `multiple`); pins without wire have their default, sized pins without wire are null
-  void* const* out;                ///< [outputs] payloads to write; delayed ones show themselves at the end of the tick
-  const std::uint32_t* in_first;   ///< [inputs + 1]
-  const std::uint32_t* in_count;   ///< elements of each payload of `in`
-  const std::uint32_t* out_count;  ///< elements of each payload of `out`
-  const double* parameters;        ///< numbers, booleans (0, 1), choices (index) and vectors (3) in the order of declaration
-  void* state;                     ///< as many bytes as `configure` asked for, saved and restored by the interpreter
-  void* object;                    ///< what `make` returned
-  const Tick* tick;
-  char* reason;               ///< where a function that returns non-zero says why (zero-terminated)
-  std::uint32_t reason_size;  ///< bytes
-};
-
+/// The binary interface of LSIs is a C header, so that functions compiled elsewhere are called as ours are: without anything between.
+using Tick = ugoki_tick;
+/// What step, advance and init are given: addresses bound once when the circuit is built.
+using Call = ugoki_call;
 /// 0: done. Anything else stops the interpreter; Call::reason says why.
-using StepFunction = std::int32_t (*)(const Call*);
+using StepFunction = ugoki_step_function;
 
 /// Payload of input wire i as doubles (null where nothing is wired to a sized pin).
 inline const double* input(const Call* call, std::size_t i) { return static_cast<const double*>(call->in[i]); }
@@ -61,6 +43,8 @@ struct InputPin {
   bool multiple = false;    ///< takes any number of wires, ordered by the ids of their sources; after all other inputs
   std::uint32_t count = 0;  ///< elements; 0: those of the type, or of what is wired to it
   double value = 0;         ///< every number of an optional numeric pin that has no wire (rotations, poses: the identity)
+  double minimum = 0;       ///< what the LSI is meant for; refused outside as a given value. Equal to maximum: any number
+  double maximum = 0;
 };
 
 struct OutputPin {
@@ -69,7 +53,10 @@ struct OutputPin {
   std::string unit;
   std::string doc;
   bool delayed = false;     ///< written by `advance`, seen from the next tick on
-  std::uint32_t count = 0;  ///< elements; 0: those of the type, or set by `configure`
+  std::uint32_t count = 0;  ///< elements; 0: those of the type, or as `like` says, or set by `configure`
+  double minimum = 0;       ///< what it usually lies between, for plots. Equal to maximum: unknown
+  double maximum = 0;
+  int like = -1;  ///< as many elements as this input has
 };
 
 enum class ParameterKind : std::uint8_t { number, integer, boolean, text, choice, vector };
@@ -88,16 +75,37 @@ struct Parameter {
   bool live = true;  ///< may be changed while it runs (never text)
 };
 
+enum class FieldType : std::uint8_t { f64 = 1, f32, i64, i32, u64, u32, i8, u8 };  // as ugoki_field_type
+[[nodiscard]] std::size_t bytes_of(FieldType type);
+
+/// A declared part of the state: shown, and kept by name when a library is rebuilt with another layout.
+struct StateField {
+  std::string name;
+  FieldType type = FieldType::f64;
+  std::uint32_t offset = 0;  ///< bytes into the state
+  std::uint32_t count = 1;   ///< elements
+  std::string unit;
+  std::string doc;
+  double initial = 0;  ///< every element at the start
+  friend bool operator==(const StateField&, const StateField&) = default;
+};
+
 class Setup;
 
 /// A kind of software LSI. Declared once: pins, documentation, widgets, save format and checks follow from it.
 struct LsiClass {
   std::string name;           ///< "motion control"; unique in a library
   std::string doc;            ///< a sentence or two
+  std::string group;          ///< where a search lists it: "signal"
+  std::string from;           ///< library that it was installed with; empty: built in
   std::uint32_t version = 1;  ///< of its state layout; saved states of another version are not restored
   std::vector<InputPin> inputs;
   std::vector<OutputPin> outputs;
   std::vector<Parameter> parameters;
+  std::vector<StateField> fields;  ///< declared parts of the state; may be none
+  std::size_t state_bytes = 0;     ///< of the state, where `configure` does not ask for more
+  /// Not empty: its outputs are written by the host between ticks (a key, a packet), and recorded with the inputs of the circuit.
+  std::string device;
 
   /// Sets sizes of sized outputs and of the state from parameters, resources and the sizes of inputs; may be called several
   /// times as sizes become known; keeps nothing. Null: all pins have the sizes of their types, no state.
@@ -105,6 +113,7 @@ struct LsiClass {
   /// Called once, when all sizes are known: makes what does not fit into plain bytes. Null result with a problem: refused.
   void* (*make)(Setup&) = nullptr;
   void (*destroy)(void* object) = nullptr;
+  const ugoki_class* abi = nullptr;  ///< the declaration of a plug-in, for its `make`
   /// Sets the first state and the first values of delayed outputs (zeroed before). Called at build and at reset.
   StepFunction init = nullptr;
   StepFunction step = nullptr;
@@ -116,6 +125,8 @@ struct LsiClass {
   [[nodiscard]] int find_input(std::string_view pin) const;  ///< index or -1
   [[nodiscard]] int find_output(std::string_view pin) const;
   [[nodiscard]] int find_parameter(std::string_view parameter) const;
+  /// Hash of version, size and declared fields of the state: equal hashes mean that the bytes of one fit the other.
+  [[nodiscard]] std::uint64_t state_layout() const;
 };
 
 }  // namespace ugoki::circuit

@@ -61,9 +61,27 @@ std::uint64_t hash_layout(const std::vector<Unit>& units, double dt) {
     hash.add_bytes(u.lsi_class->name.data(), u.lsi_class->name.size() + 1);
     hash.add(std::uint64_t{u.lsi_class->version});
     hash.add(std::uint64_t{u.state.size()});
+    hash.add(u.lsi_class->state_layout());
     for (const Shape& s : u.outputs) hash.add(std::uint64_t{s.count});
   }
   return hash.value();
+}
+
+/// A declared field at its first value. @param state of the LSI
+void set_field(const StateField& field, std::byte* state) {
+  const auto fill = [&]<class T>(T value) {
+    for (std::uint32_t i = 0; i < field.count; ++i) std::memcpy(state + field.offset + i * sizeof(T), &value, sizeof(T));
+  };
+  switch (field.type) {
+    case FieldType::f64: return fill(field.initial);
+    case FieldType::f32: return fill(static_cast<float>(field.initial));
+    case FieldType::i64: return fill(static_cast<std::int64_t>(field.initial));
+    case FieldType::i32: return fill(static_cast<std::int32_t>(field.initial));
+    case FieldType::u64: return fill(static_cast<std::uint64_t>(field.initial));
+    case FieldType::u32: return fill(static_cast<std::uint32_t>(field.initial));
+    case FieldType::i8: return fill(static_cast<std::int8_t>(field.initial));
+    case FieldType::u8: return fill(static_cast<std::uint8_t>(field.initial));
+  }
 }
 
 struct Constant {
@@ -78,7 +96,10 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   Interpreter::Machine& m = *machine;
   const std::size_t n = flat.lsis.size();
   m.units.resize(n);
+  m.running.resize(n);
+  m.tick.size = sizeof m.tick;
   m.tick.dt = options.dt;
+  m.activity = options.activity ? options.activity : &m.own_activity;
   m.order = plan.order;
   m.inputs = std::move(flat.inputs);
   m.outputs = std::move(flat.outputs);
@@ -90,6 +111,8 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     u.lsi_class = flat.lsis[i].lsi_class;
     u.every = flat.lsis[i].every;
     u.outputs = plan.setups[i].outputs();
+    u.address = plan.setups[i].first_word();
+    m.running[i] = {u.id.c_str(), u.lsi_class, nullptr};
     u.output_offsets.resize(u.outputs.size());
   }
   for (const int i : m.order) {
@@ -144,11 +167,14 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   m.out_count.reserve(outs);
   m.parameters.reserve(numbers);
   m.calls.resize(n);
-  for (const int index : m.order) {
-    const auto i = static_cast<std::size_t>(index);
+  m.call_of.resize(n);
+  for (std::size_t rank = 0; rank < n; ++rank) {
+    const auto i = static_cast<std::size_t>(m.order[rank]);
+    m.call_of[i] = static_cast<std::uint32_t>(rank);
     const FlatLsi& lsi = flat.lsis[i];
     Unit& u = m.units[i];
-    Call& call = m.calls[i];
+    Call& call = m.calls[rank];
+    call.size = sizeof call;
     call.in = m.in.data() + m.in.size();
     call.in_first = m.in_first.data() + m.in_first.size();
     call.in_count = m.in_count.data() + m.in_count.size();
@@ -186,7 +212,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     call.object = nullptr;
 
     const auto job = [&](StepFunction run, const Range& range) {
-      Job j{run, &call, nullptr, 0, u.every, index};
+      Job j{run, &call, &m.running[i], nullptr, 0, u.every, static_cast<std::uint32_t>(i)};
       if (options.check_finite && range.size()) {
         j.check = reinterpret_cast<const double*>(m.bytes() + range.begin);
         j.check_count = static_cast<std::uint32_t>(range.size() / sizeof(double));
@@ -196,41 +222,68 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     if (u.lsi_class->step) (u.every == 0 ? m.on_demand : m.steps).push_back(job(u.lsi_class->step, u.direct_numbers));
     if (u.lsi_class->advance) m.advances.push_back(job(u.lsi_class->advance, u.delayed_numbers));
   }
-  for (std::size_t i = 0; i < n; ++i)
-    if (m.units[i].lsi_class->make) m.calls[i].object = m.units[i].lsi_class->make(plan.setups[i]);
+  for (const std::uint32_t end : plan.wave_ends) {
+    const auto jobs = static_cast<std::uint32_t>(std::count_if(m.order.begin(), m.order.begin() + end, [&](int i) {
+      const Unit& u = m.units[static_cast<std::size_t>(i)];
+      return u.lsi_class->step && u.every != 0;
+    }));
+    m.wave_ends.push_back(jobs);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (m.units[i].lsi_class->make) {
+      set_running(*m.activity, &m.running[i]);
+      m.call_at(i).object = m.units[i].lsi_class->make(plan.setups[i]);
+    }
+    m.running[i].call = &m.call_at(i);
+  }
+  set_running(*m.activity, nullptr);
   if (problems.empty()) m.initialise();
   return machine;
 }
 
 Interpreter::Machine::~Machine() {
-  for (std::size_t i = 0; i < units.size(); ++i)
-    if (calls.size() > i && calls[i].object && units[i].lsi_class->destroy) units[i].lsi_class->destroy(calls[i].object);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    if (call_of.size() <= i || !units[i].lsi_class->destroy || !call_at(i).object) continue;
+    set_running(*activity, &running[i]);
+    units[i].lsi_class->destroy(call_at(i).object);
+  }
+  if (activity) set_running(*activity, nullptr);
 }
 
 void Interpreter::Machine::initialise() {
   tick.index = 0;
   tick.time = 0;
   is_stopped = false;
+  cursor = 0;
+  breakpoint_hit = -1;
+  log.next = 0;
   std::memset(arena.data(), 0, back.end);
   for (std::size_t i = 0; i < units.size(); ++i) {
     const Unit& u = units[i];
     if (u.state.size()) std::memset(bytes() + u.state.begin, 0, u.state.size());
+    for (const StateField& field : u.lsi_class->fields) set_field(field, bytes() + u.state.begin);
   }
   for (std::size_t i = 0; i < units.size() && !is_stopped; ++i) {
-    const Unit& u = units[i];
+    if (!units[i].lsi_class->init) continue;
     reason[0] = '\0';
-    if (u.lsi_class->init && u.lsi_class->init(&calls[i]) != 0) fail(Job{nullptr, &calls[i], nullptr, 0, 1, static_cast<int>(i)}, false);
+    set_running(*activity, &running[i]);
+    const Job job{units[i].lsi_class->init, &call_at(i), &running[i], nullptr, 0, 1, static_cast<std::uint32_t>(i)};
+    if (job.run(job.call) != 0) fail(job, false);
   }
+  set_running(*activity, nullptr);
   std::memcpy(bytes() + front.begin, bytes() + back.begin, front.size());
 }
 
 void Interpreter::Machine::fail(const Job& job, bool not_finite) {
-  const Unit& u = units[static_cast<std::size_t>(job.lsi)];
+  const Unit& u = units[job.lsi];
   is_stopped = true;
   stop.lsi = u.id;
+  stop.pin.clear();
   stop.tick = tick.index;
   stop.time = tick.time;
-  stop.reason = reason[0] ? reason : "It failed without saying why.";
+  stop.reason = job.call->reason[0] ? job.call->reason : "It failed without saying why.";
+  char buffer[512];
+  stop.inputs = std::string(buffer, describe_inputs(*job.who, buffer));
   if (!not_finite) return;
   for (std::size_t pin = 0; pin < u.outputs.size(); ++pin) {
     if (!pin_type(u.lsi_class->outputs[pin].type).numeric) continue;
@@ -238,6 +291,7 @@ void Interpreter::Machine::fail(const Job& job, bool not_finite) {
     const std::size_t count = output_bytes(u, pin) / sizeof(double);
     for (std::size_t k = 0; k < count; ++k)
       if (!(x[k] - x[k] == 0)) {
+        stop.pin = u.id + "." + u.lsi_class->outputs[pin].name;
         stop.reason = "Number " + std::to_string(k) + " of its output '" + u.lsi_class->outputs[pin].name + "' is not finite.";
         return;
       }
@@ -257,12 +311,12 @@ PinView Interpreter::Machine::view(const Source& source) const {
 
 void Interpreter::Machine::store_objects() {
   for (std::size_t i = 0; i < units.size(); ++i)
-    if (units[i].lsi_class->store) units[i].lsi_class->store(&calls[i]);
+    if (units[i].lsi_class->store) units[i].lsi_class->store(&call_at(i));
 }
 
 void Interpreter::Machine::recall_objects() {
   for (std::size_t i = 0; i < units.size(); ++i)
-    if (units[i].lsi_class->recall) units[i].lsi_class->recall(&calls[i]);
+    if (units[i].lsi_class->recall) units[i].lsi_class->recall(&call_at(i));
 }
 
 }  // namespace ugoki::circuit

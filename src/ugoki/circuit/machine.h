@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "ugoki/circuit/activity.h"
 #include "ugoki/circuit/interpreter.h"
 #include "ugoki/circuit/plan.h"
 
@@ -13,11 +14,17 @@ namespace ugoki::circuit {
 /// One call of a schedule.
 struct Job {
   StepFunction run = nullptr;
-  const Call* call = nullptr;
+  Call* call = nullptr;
+  const RunningLsi* who = nullptr;
   const double* check = nullptr;  ///< numbers it writes, to be finite
   std::uint32_t check_count = 0;
   std::uint32_t every = 1;
-  int lsi = 0;
+  std::uint32_t lsi = 0;
+};
+
+/// Jobs [begin, end) that do not depend on each other; those of plug-ins from own_end on.
+struct Wave {
+  std::uint32_t begin = 0, own_end = 0, end = 0;
 };
 
 /// Where a part of the arena lies, bytes.
@@ -35,43 +42,124 @@ struct Unit {
   Range state;
   Range direct_numbers, delayed_numbers;  ///< numeric outputs to check; delayed ones where the LSI writes
   std::size_t parameters = 0;             ///< first one in Machine::parameters
-  std::uint64_t runs = 0, total = 0;      ///< timing
+  std::string address;                    ///< of a device: its first text or choice
+};
+
+/// Numbers that are copied at the end of a tick.
+struct ProbeSource {
+  const double* from = nullptr;
+  std::uint32_t count = 0;
+};
+
+struct ProbeBuffer {
+  std::vector<ProbeSource> sources;
+  std::vector<double> rows;  ///< [capacity][width]
+  std::vector<std::uint64_t> ticks;
+  std::size_t width = 0;
+  std::uint64_t written = 0;  ///< rows so far
+  std::uint32_t every = 1;
+};
+
+struct ActiveBreakpoint {
+  Breakpoint what;
+  const double* number = nullptr;
+  double last = 0;
+  bool armed = false;  ///< the condition was false at the tick before, or `last` is known
+};
+
+/// What may come from outside: an input of the circuit, an output of a device, a parameter.
+struct RecordedSlot {
+  std::string name;
+  std::span<std::byte> now;
+  std::vector<std::byte> before;
+};
+
+struct InputLog {
+  std::vector<RecordedSlot> slots;
+  std::vector<InputChange> changes;
+  bool recording = false;
+  std::vector<InputChange> replay;  ///< by tick
+  std::size_t next = 0;
 };
 
 struct Interpreter::Machine {
   ~Machine();
 
-  std::vector<Unit> units;      ///< [lsis], sorted by id
-  std::vector<Call> calls;      ///< [lsis]
-  std::vector<const void*> in;  ///< of all calls
+  std::vector<Unit> units;             ///< [lsis], sorted by id
+  std::vector<RunningLsi> running;     ///< [lsis]
+  std::vector<Call> calls;             ///< [lsis] in the order of the schedule
+  std::vector<std::uint32_t> call_of;  ///< [lsis] index into calls
+  std::vector<const void*> in;         ///< of all calls
   std::vector<void*> out;
   std::vector<std::uint32_t> in_first, in_count, out_count;
   std::vector<double> parameters;
   std::vector<std::uint64_t> arena;  ///< in words of 8 bytes
   Range front, back;                 ///< delayed outputs: as seen, as written; same order
   std::vector<Job> steps, advances, on_demand;
+  std::vector<std::uint32_t> wave_ends;  ///< ends in `steps` of the LSIs of equal depth
   std::vector<int> order;
   std::vector<FlatPort> inputs, outputs;
   std::uint64_t layout = 0;  ///< hash of ids, classes, versions and sizes
-  Tick tick;
+  Tick tick{};
+  Activity* activity = nullptr;
+  Activity own_activity;
+
+  // What costs nothing while it is off.
+  bool plain = true;  ///< none of the following
   Clock clock = nullptr;
+  std::vector<Timing> timings;  ///< [lsis], id empty
+  Executor* executor = nullptr;
+  std::vector<std::vector<char>> reasons;  ///< [workers]
+  std::vector<Job> wave_jobs;              ///< steps and advances, sorted for threads
+  std::vector<Wave> waves;
+  ProbeBuffer probes;
+  std::vector<ActiveBreakpoint> breakpoints;
+  int breakpoint_hit = -1;
+  InputLog log;
+  std::uint32_t cursor = 0;  ///< jobs of this tick that are done (single step)
+
   bool is_stopped = false;
   Stop stop;
-  char reason[256] = {};
+  char reason[512] = {};
 
   [[nodiscard]] std::byte* bytes() { return reinterpret_cast<std::byte*>(arena.data()); }
   [[nodiscard]] const std::byte* bytes() const { return reinterpret_cast<const std::byte*>(arena.data()); }
+  [[nodiscard]] Call& call_at(std::size_t lsi) { return calls[call_of[lsi]]; }
   void initialise();
-  template <bool timed>
-  bool run(std::vector<Job>& jobs);
+  bool tick_once();
+  bool tick_with_extras();
+  bool run_job(const Job& job);
+  bool run_all();
+  bool run_wave(const Wave& wave);
+  bool run_waves();
+  void end_tick();
+  void update_plain();
   void fail(const Job& job, bool not_finite);
   [[nodiscard]] int find_unit(std::string_view id) const;
   [[nodiscard]] PinView view(const Source& source) const;
+  [[nodiscard]] const double* find_number(std::string_view pin, std::size_t component, Error& problems) const;
   void store_objects();
   void recall_objects();
+  void sample_probes();
+  void test_breakpoints();
+  void record_inputs();
+  void replay_inputs();
 };
 
 /// Lays out the arena and binds all addresses. @param problems gets what `make` of an LSI refuses
 [[nodiscard]] std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, const BuildOptions& options, Error& problems);
+
+/// All finite, without a branch for each: x - x is 0 for a finite x only.
+inline bool all_finite(const double* x, std::uint32_t count) {
+  if (count == 1) return *x - *x == 0;
+  double even = 0, odd = 0;
+  std::uint32_t i = 0;
+  for (; i + 1 < count; i += 2) {
+    even += x[i] - x[i];
+    odd += x[i + 1] - x[i + 1];
+  }
+  if (i < count) even += x[i] - x[i];
+  return even + odd == 0;
+}
 
 }  // namespace ugoki::circuit

@@ -40,9 +40,9 @@ void resolve_sizes(const FlatCircuit& flat, std::vector<Setup>& setups, Error& p
         shapes.push_back(setups[static_cast<std::size_t>(s.lsi)].outputs()[static_cast<std::size_t>(s.pin)]);
       setup.set_in(pin, std::move(shapes));
     }
-    if (!lsi.lsi_class->configure) continue;
     const std::vector<Shape> before = setup.outputs();
-    lsi.lsi_class->configure(setup);
+    setup.follow_inputs();
+    if (lsi.lsi_class->configure) lsi.lsi_class->configure(setup);
     if (setup.outputs() == before) continue;
     if (++visits[i] > 64) {
       problems.add(ErrorCode::structure, lsi.id, "The sizes of '" + lsi.id + "' do not settle.",
@@ -119,7 +119,8 @@ std::vector<std::pair<Source, std::pair<int, int>>> find_circle(const FlatCircui
   return path;
 }
 
-std::vector<int> order_steps(const FlatCircuit& flat, Error& problems) {
+/// @return LSIs by depth, then by id. @param wave_ends gets where each depth ends
+std::vector<int> order_steps(const FlatCircuit& flat, std::vector<std::uint32_t>& wave_ends, Error& problems) {
   const std::size_t n = flat.lsis.size();
   std::vector<int> open_edges(n, 0);
   std::vector<std::vector<int>> consumers(n);
@@ -128,17 +129,19 @@ std::vector<int> order_steps(const FlatCircuit& flat, Error& problems) {
     consumers[static_cast<std::size_t>(s.lsi)].push_back(lsi);
     ++open_edges[static_cast<std::size_t>(lsi)];
   });
-  std::priority_queue<int, std::vector<int>, std::greater<>> ready;  // smallest index = smallest id first
-  for (std::size_t i = 0; i < n; ++i)
-    if (open_edges[i] == 0) ready.push(static_cast<int>(i));
-  std::vector<int> order;
+  std::vector<int> order, wave;
   order.reserve(n);
-  while (!ready.empty()) {
-    const int i = ready.top();
-    ready.pop();
-    order.push_back(i);
-    for (const int c : consumers[static_cast<std::size_t>(i)])
-      if (--open_edges[static_cast<std::size_t>(c)] == 0) ready.push(c);
+  for (std::size_t i = 0; i < n; ++i)
+    if (open_edges[i] == 0) wave.push_back(static_cast<int>(i));
+  while (!wave.empty()) {
+    order.insert(order.end(), wave.begin(), wave.end());
+    wave_ends.push_back(static_cast<std::uint32_t>(order.size()));
+    std::vector<int> next;
+    for (const int i : wave)
+      for (const int c : consumers[static_cast<std::size_t>(i)])
+        if (--open_edges[static_cast<std::size_t>(c)] == 0) next.push_back(c);
+    std::sort(next.begin(), next.end());  // smallest index = smallest id first
+    wave = std::move(next);
   }
   if (order.size() == n) return order;
 
@@ -160,7 +163,7 @@ Plan make_plan(const FlatCircuit& flat, const Resources* resources, double dt, E
   Plan plan;
   plan.setups.reserve(flat.lsis.size());
   for (const FlatLsi& lsi : flat.lsis) plan.setups.emplace_back(lsi.id, *lsi.lsi_class, lsi.parameters, resources, dt, problems);
-  plan.order = order_steps(flat, problems);
+  plan.order = order_steps(flat, plan.wave_ends, problems);
   resolve_sizes(flat, plan.setups, problems);
   if (!problems.empty()) return plan;
   check_sizes(flat, plan.setups, problems);

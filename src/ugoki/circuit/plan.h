@@ -10,8 +10,9 @@
 namespace ugoki::circuit {
 
 struct Plan {
-  std::vector<Setup> setups;  ///< [lsis] with parameters, sizes and resources
-  std::vector<int> order;     ///< of `step`: producers before consumers, ties broken by id
+  std::vector<Setup> setups;             ///< [lsis] with parameters, sizes and resources
+  std::vector<int> order;                ///< of `step`: producers before consumers; by depth (wires from a source), then by id
+  std::vector<std::uint32_t> wave_ends;  ///< ends in `order` of the LSIs of equal depth, which do not depend on each other
 };
 
 /// Sizes every payload and orders the steps. Refused, with all names: sizes that nothing decides, wires between different subjects or

@@ -42,6 +42,17 @@ void Setup::set_out(std::size_t pin, std::uint32_t count, int subject) {
   outputs_[pin] = {count, subject};
 }
 
+void Setup::follow_inputs() {
+  for (std::size_t i = 0; i < outputs_.size(); ++i)
+    if (const int like = class_->outputs[i].like; like >= 0) outputs_[i] = in(static_cast<std::size_t>(like));
+}
+
+std::string Setup::first_word() const {
+  for (const Value& v : parameters_)
+    if (const auto* word = std::get_if<std::string>(&v)) return *word;
+  return {};
+}
+
 const void* Setup::find_resource(std::string_view kind, std::string_view name) {
   const void* found = resources_ ? resources_->find(kind, name) : nullptr;
   if (!found)

@@ -27,6 +27,8 @@ class Setup {
   [[nodiscard]] bool boolean(std::string_view parameter) const;
   [[nodiscard]] const std::string& text(std::string_view parameter) const;  ///< text or choice
 
+  [[nodiscard]] const LsiClass& lsi_class() const { return *class_; }
+
   /// Number of wires into input `pin` (an index of the declaration).
   [[nodiscard]] std::size_t wires(std::size_t pin) const { return inputs_[pin].size(); }
   /// Size of wire `wire` into `pin`; count 0 where it is not known yet or nothing is wired.
@@ -47,7 +49,11 @@ class Setup {
   Setup(std::string id, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt, Error& problems);
   void set_in(std::size_t pin, std::vector<Shape> wires) { inputs_[pin] = std::move(wires); }
   [[nodiscard]] const std::vector<Shape>& outputs() const { return outputs_; }
-  [[nodiscard]] std::size_t state_bytes() const { return state_bytes_; }
+  [[nodiscard]] std::size_t state_bytes() const { return state_bytes_ > class_->state_bytes ? state_bytes_ : class_->state_bytes; }
+  /// Sizes of outputs that are declared to be like an input.
+  void follow_inputs();
+  /// The first text or choice; empty where there is none.
+  [[nodiscard]] std::string first_word() const;
   [[nodiscard]] const std::vector<Value>& parameters() const { return parameters_; }
   /// Parameters as numbers, as Call::parameters holds them.
   [[nodiscard]] std::vector<double> numbers() const;

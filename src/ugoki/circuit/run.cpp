@@ -1,0 +1,294 @@
+// One tick: the part of the runtime whose cost every LSI pays.
+
+#include <algorithm>
+#include <cstring>
+#include <iterator>
+
+#include "ugoki/circuit/executor.h"
+#include "ugoki/circuit/machine.h"
+
+namespace ugoki::circuit {
+namespace {
+
+/// Runs one job. @return false if it failed; `finite` tells which way
+inline bool call(const Job& job, bool& finite) {
+  if (job.run(job.call) != 0) [[unlikely]]
+    return false;
+  finite = all_finite(job.check, job.check_count);
+  return finite;
+}
+
+inline bool is_due(const Job& job, std::uint64_t index) { return job.every <= 1 || index % job.every == 0; }
+
+/// Jobs [begin, end) in order. @return the one that failed, or null
+template <class AfterJob>
+const Job* run_jobs(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& finite, AfterJob after) {
+  for (const Job& job : jobs) {
+    if (!is_due(job, index)) [[unlikely]]
+      continue;
+    set_running(activity, job.who);
+    if (!call(job, finite)) [[unlikely]]
+      return &job;
+    after(job);
+  }
+  return nullptr;
+}
+
+const Job* run_plainly(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& finite) {
+  return run_jobs(jobs, index, activity, finite, [](const Job&) {});
+}
+
+const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& finite, Interpreter::Clock clock,
+                     std::vector<Timing>& timings) {
+  // The end of one LSI is the beginning of the next: one look at the clock for each.
+  const auto timed = [&](auto now) {
+    std::uint64_t before = now();
+    return run_jobs(jobs, index, activity, finite, [&](const Job& job) {
+      const std::uint64_t after = now();
+      Timing& t = timings[job.lsi];
+      t.total += after - before;
+      ++t.runs;
+      before = after;
+    });
+  };
+#if defined(__x86_64__)
+  if (clock == &Interpreter::processor_clock) return timed([] { return __builtin_ia32_rdtsc(); });
+#endif
+  return timed(clock);
+}
+
+/// A slice of a wave for each worker, and what went wrong in it.
+struct WaveWork {
+  static constexpr int most_workers = 64;
+  std::span<const Job> jobs;
+  std::uint64_t index = 0;
+  int workers = 1;
+  const Job* failed[most_workers] = {};
+  bool finite[most_workers] = {};
+
+  [[nodiscard]] std::span<const Job> share(int worker) const {
+    const std::size_t begin = jobs.size() * static_cast<std::size_t>(worker) / static_cast<std::size_t>(workers);
+    const std::size_t end = jobs.size() * static_cast<std::size_t>(worker + 1) / static_cast<std::size_t>(workers);
+    return jobs.subspan(begin, end - begin);
+  }
+  void run(int worker) {
+    Activity unseen;
+    finite[worker] = true;
+    failed[worker] = run_plainly(share(worker), index, unseen, finite[worker]);
+  }
+};
+
+}  // namespace
+
+std::uint64_t Interpreter::processor_clock() {
+#if defined(__x86_64__)
+  return __builtin_ia32_rdtsc();
+#elif defined(__aarch64__)
+  std::uint64_t ticks;
+  __asm__ volatile("mrs %0, cntvct_el0" : "=r"(ticks));
+  return ticks;
+#else
+  return 0;
+#endif
+}
+
+/// Nothing is probed, timed or stepped: what a circuit usually runs as.
+inline bool Interpreter::Machine::tick_once() {
+  __atomic_store_n(&activity->passes, activity->passes + 1, __ATOMIC_RELAXED);
+  bool finite = true;
+  const Job* failed = run_plainly(steps, tick.index, *activity, finite);
+  if (!failed && !advances.empty()) failed = run_plainly(advances, tick.index, *activity, finite);
+  set_running(*activity, nullptr);
+  if (failed) [[unlikely]] {
+    fail(*failed, !finite);
+    return false;
+  }
+  end_tick();
+  return true;
+}
+
+inline void Interpreter::Machine::end_tick() {
+  if (front.size()) std::memcpy(bytes() + front.begin, bytes() + back.begin, front.size());
+  ++tick.index;
+  tick.time = static_cast<double>(tick.index) * tick.dt;
+}
+
+bool Interpreter::Machine::run_job(const Job& job) {
+  bool finite = true;
+  const Job* failed = nullptr;
+  if (clock)
+    failed = run_timed({&job, 1}, tick.index, *activity, finite, clock, timings);
+  else
+    failed = run_plainly({&job, 1}, tick.index, *activity, finite);
+  if (failed) fail(*failed, !finite);
+  return !failed;
+}
+
+bool Interpreter::Machine::run_all() {
+  for (const std::vector<Job>* jobs : {&steps, &advances}) {
+    bool finite = true;
+    const Job* failed =
+        clock ? run_timed(*jobs, tick.index, *activity, finite, clock, timings) : run_plainly(*jobs, tick.index, *activity, finite);
+    if (!failed) continue;
+    fail(*failed, !finite);
+    return false;
+  }
+  return true;
+}
+
+/// Our own LSIs of a wave on all threads, those of plug-ins after them on this one: nobody knows whether they share something.
+/// Of several that fail, the one that would have been first is told.
+bool Interpreter::Machine::run_wave(const Wave& wave) {
+  const std::span<const Job> all(wave_jobs);
+  const Job* failed = nullptr;
+  bool finite = true;
+  const auto note = [&](const Job* job, bool was_finite) {
+    if (!job || (failed && failed->lsi < job->lsi)) return;
+    failed = job;
+    finite = was_finite;
+  };
+  WaveWork work;
+  work.jobs = all.subspan(wave.begin, wave.own_end - wave.begin);
+  work.index = tick.index;
+  if (work.jobs.size() > 1) {
+    work.workers = std::min(executor->workers(), WaveWork::most_workers);
+    for (int w = 0; w < work.workers; ++w)
+      for (const Job& job : work.share(w)) job.call->reason = reasons[static_cast<std::size_t>(w)].data();
+    executor->run([](void* context, int worker) { static_cast<WaveWork*>(context)->run(worker); }, &work);
+    for (int w = 0; w < work.workers; ++w) note(work.failed[w], work.finite[w]);
+  }
+  const std::size_t alone = work.jobs.size() > 1 ? wave.own_end : wave.begin;
+  bool one_finite = true;
+  note(run_plainly(all.subspan(alone, wave.end - alone), tick.index, *activity, one_finite), one_finite);
+  if (failed) fail(*failed, !finite);
+  return !failed;
+}
+
+bool Interpreter::Machine::run_waves() {
+  for (std::vector<char>& r : reasons) r[0] = '\0';
+  return std::all_of(waves.begin(), waves.end(), [this](const Wave& w) { return run_wave(w); });
+}
+
+/// With probes, breakpoints, recording, timing, threads, or a tick that was begun LSI by LSI.
+bool Interpreter::Machine::tick_with_extras() {
+  __atomic_store_n(&activity->passes, activity->passes + 1, __ATOMIC_RELAXED);
+  breakpoint_hit = -1;
+  bool good = true;
+  if (cursor == 0) {
+    replay_inputs();
+    record_inputs();
+    good = executor && !clock ? run_waves() : run_all();
+  } else {
+    for (; good && cursor < steps.size() + advances.size(); ++cursor)
+      good = run_job(cursor < steps.size() ? steps[cursor] : advances[cursor - steps.size()]);
+  }
+  set_running(*activity, nullptr);
+  cursor = 0;
+  update_plain();
+  if (!good) return false;
+  if (probes.width && tick.index % probes.every == 0) sample_probes();
+  if (!breakpoints.empty()) test_breakpoints();
+  end_tick();
+  return true;
+}
+
+void Interpreter::Machine::update_plain() {
+  plain = !clock && !executor && probes.width == 0 && breakpoints.empty() && !log.recording && log.replay.empty() && cursor == 0;
+}
+
+bool Interpreter::tick() {
+  Machine& m = *machine_;
+  if (m.is_stopped) [[unlikely]]
+    return false;
+  m.reason[0] = '\0';
+  return m.plain ? m.tick_once() : m.tick_with_extras();
+}
+
+bool Interpreter::step_lsi() {
+  Machine& m = *machine_;
+  if (m.is_stopped) return false;
+  const auto jobs = static_cast<std::uint32_t>(m.steps.size() + m.advances.size());
+  const auto job_at = [&](std::uint32_t i) -> const Job& { return i < m.steps.size() ? m.steps[i] : m.advances[i - m.steps.size()]; };
+  if (m.cursor == 0) {
+    m.replay_inputs();
+    m.record_inputs();
+  }
+  while (m.cursor < jobs && !is_due(job_at(m.cursor), m.tick.index)) ++m.cursor;
+  m.plain = false;
+  m.reason[0] = '\0';
+  if (m.cursor < jobs && !m.run_job(job_at(m.cursor))) return false;
+  set_running(*m.activity, nullptr);
+  ++m.cursor;
+  while (m.cursor < jobs && !is_due(job_at(m.cursor), m.tick.index)) ++m.cursor;
+  return m.cursor < jobs || m.tick_with_extras();
+}
+
+std::string Interpreter::next_lsi() const {
+  const Machine& m = *machine_;
+  for (std::uint32_t i = m.cursor; i < m.steps.size() + m.advances.size(); ++i) {
+    const Job& job = i < m.steps.size() ? m.steps[i] : m.advances[i - m.steps.size()];
+    if (is_due(job, m.tick.index)) return m.units[job.lsi].id;
+  }
+  return {};
+}
+
+bool Interpreter::refresh() {
+  Machine& m = *machine_;
+  __atomic_store_n(&m.activity->passes, m.activity->passes + 1, __ATOMIC_RELAXED);
+  m.reason[0] = '\0';
+  bool good = true;
+  for (const Job& job : m.on_demand) {
+    Job once = job;
+    once.every = 1;
+    good = good && m.run_job(once);
+  }
+  set_running(*m.activity, nullptr);
+  return good;
+}
+
+void Interpreter::set_timing(Clock clock) {
+  Machine& m = *machine_;
+  m.clock = clock;
+  m.timings.assign(clock ? m.units.size() : 0, Timing{});
+  m.update_plain();
+}
+
+std::vector<Timing> Interpreter::timings() const {
+  std::vector<Timing> out;
+  for (std::size_t i = 0; i < machine_->timings.size(); ++i) {
+    const Timing& t = machine_->timings[i];
+    if (t.runs) out.push_back({machine_->units[i].id, t.runs, t.total});
+  }
+  return out;
+}
+
+void Interpreter::set_executor(Executor* executor) {
+  Machine& m = *machine_;
+  m.executor = executor && executor->workers() > 1 ? executor : nullptr;
+  m.reasons.assign(m.executor ? static_cast<std::size_t>(m.executor->workers()) : 0, std::vector<char>(sizeof m.reason));
+  for (Call& c : m.calls) c.reason = m.reason;
+  m.waves.clear();
+  m.wave_jobs.clear();
+  if (m.executor) {
+    const auto add = [&m](auto begin, auto end) {
+      if (begin == end) return;
+      Wave wave;
+      wave.begin = static_cast<std::uint32_t>(m.wave_jobs.size());
+      const auto own = [&m](const Job& job) { return m.units[job.lsi].lsi_class->from.empty(); };
+      std::copy_if(begin, end, std::back_inserter(m.wave_jobs), own);
+      wave.own_end = static_cast<std::uint32_t>(m.wave_jobs.size());
+      std::copy_if(begin, end, std::back_inserter(m.wave_jobs), [&own](const Job& job) { return !own(job); });
+      wave.end = static_cast<std::uint32_t>(m.wave_jobs.size());
+      m.waves.push_back(wave);
+    };
+    std::uint32_t begin = 0;
+    for (const std::uint32_t end : m.wave_ends) {
+      add(m.steps.begin() + begin, m.steps.begin() + end);
+      begin = end;
+    }
+    add(m.advances.begin(), m.advances.end());
+  }
+  m.update_plain();
+}
+
+}  // namespace ugoki::circuit
