@@ -4,6 +4,7 @@
 
 #include "ugoki/dynamics/closed_structure.h"
 #include "ugoki/dynamics/kernels.h"
+#include "ugoki/dynamics/loop_paths.h"
 
 namespace ugoki::dynamics {
 
@@ -46,6 +47,7 @@ struct ClosedArguments {
   const ClosedStructure::Gear* gears;
   int entry_count, block_count;
   const double* slope;  ///< [loops] of gears
+  const LoopPaths* paths;
 
   const char* moves;   ///< [nodes] NodeMotion wanted
   NodeMotion* motion;  ///< [nodes, out of closed_motion]
@@ -54,7 +56,8 @@ struct ClosedArguments {
   LoopColumns* P;  ///< [present], in the node's axes about its origin
   LoopLanes* g;    ///< [entries]
   // Scratch and results
-  LoopLanes* s;        ///< [s_slots]
+  LoopLanes* s;        ///< [s_slots], or [places] of paths
+  LoopLanes* t;        ///< [places] s / D
   LoopLanes* reduced;  ///< [entries]
   LoopBlock* Lambda;   ///< [blocks]
   LoopBlock* Y;        ///< [neighbours]
@@ -67,6 +70,7 @@ struct ClosedKernels {
   void (*motion)(const KernelArguments<double>&, const ClosedArguments&);
   /// Accelerations and multipliers. @return false: singular
   bool (*forward)(const KernelArguments<double>&, const ClosedArguments&);
+  bool (*forward_by_paths)(const KernelArguments<double>&, const ClosedArguments&);
 };
 
 /// Those of the width in use (kernels.h).

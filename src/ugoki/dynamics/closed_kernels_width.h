@@ -1,7 +1,7 @@
 #pragma once
 // The table of one width: included once by each closed_kernels_*.cpp, which defines UGOKI_WIDTH and UGOKI_DOUBLE_LANES.
 
-#include "ugoki/dynamics/kernel_loops.h"
+#include "ugoki/dynamics/kernel_paths.h"
 
 namespace ugoki::dynamics {
 namespace {
@@ -61,11 +61,13 @@ bool closed_forward(const KernelArguments<double>& a, const ClosedArguments& c) 
   return !ClosedForward(a, LoopPass<One>(c)).accelerate()[0];
 }
 
+bool closed_forward_by_paths(const KernelArguments<double>& a, const ClosedArguments& c) { return PathForward(a, c).run(); }
+
 }  // namespace
 
 namespace UGOKI_WIDTH {
 extern const ClosedKernels closed_table;
-const ClosedKernels closed_table = {closed_motion, closed_forward};
+const ClosedKernels closed_table = {closed_motion, closed_forward, closed_forward_by_paths};
 }  // namespace UGOKI_WIDTH
 
 }  // namespace ugoki::dynamics

@@ -11,8 +11,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-int freedoms_of(NodeKind kind) { return kind == NodeKind::floating ? 6 : kind == NodeKind::spherical ? 3 : 1; }
-
 ClosedTree tree_of_nodes(const LinkProgram& program) {
   ClosedTree tree;
   tree.node_of_freedom.resize(at(program.nv));
@@ -55,6 +53,14 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
       motion(program.order.size()),
       X_WB(m.links().size()),
       V(m.links().size()) {
+  if (constexpr std::size_t few = 16; over_nodes.entries.size() <= few) {
+    ClosedStructure at_world(tree_of_nodes(program), links.loops(), closed, links.rows().first, rows, ClosedStructure::Meeting::world);
+    by_paths = paths_are_faster(program, over_nodes, at_world);
+    if (by_paths) {
+      over_nodes = std::move(at_world);
+      paths = LoopPaths(program, over_nodes);
+    }
+  }
   for (const ClosedStructure::Entry& e : over_nodes.entries) {
     const Loop& loop = links.loops()[at(e.loop)];
     if (loop.type == LoopType::gear) continue;
@@ -67,7 +73,8 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
     for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent) moves[at(node)] = 1;
   P.resize(over_nodes.present.size());
   g.resize(over_nodes.entries.size());
-  s.resize(at(over_nodes.s_slots));
+  s.resize(by_paths ? paths.freedom.size() : at(over_nodes.s_slots));
+  t.resize(paths.freedom.size());
   reduced.resize(g.size());
   lambda.resize(g.size());
   Lambda.resize(at(over_nodes.blocks));
@@ -89,7 +96,7 @@ class ClosedRun {
     update_loop_rows(m_, p0_, k_.X_WB, k_.V, links_.loops_, q_, v_, false, links_.rows_);
     std::ranges::fill(k_.P, LoopColumns{});
     for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_loop(e);
-    const bool ok = closed_kernels().forward(a, c);
+    const bool ok = k_.by_paths ? closed_kernels().forward_by_paths(a, c) : closed_kernels().forward(a, c);
     if (ok) take_results();
     return ok;
   }
@@ -133,11 +140,13 @@ class ClosedRun {
             .entry_count = static_cast<int>(x_.entries.size()),
             .block_count = x_.blocks,
             .slope = links_.rows_.slope.data(),
+            .paths = &k_.paths,
             .moves = k_.moves.data(),
             .motion = k_.motion.data(),
             .P = k_.P.data(),
             .g = k_.g.data(),
             .s = k_.s.data(),
+            .t = k_.t.data(),
             .reduced = k_.reduced.data(),
             .Lambda = k_.Lambda.data(),
             .Y = k_.Y.data(),

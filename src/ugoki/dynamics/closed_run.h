@@ -12,6 +12,8 @@ struct ClosedKernelState {
   MechanismPtr shared;  ///< the mechanism with the virtual links' shares of inertia; null: as it is
   LinkProgram program;
   ClosedStructure over_nodes;
+  bool by_paths = false;  ///< loops are eliminated at the world
+  LoopPaths paths;
   std::vector<int> end_links;      ///< of closed loops
   std::vector<char> moves;         ///< [nodes] on the way to an end link
   std::vector<NodeMotion> motion;  ///< [nodes]
@@ -19,7 +21,7 @@ struct ClosedKernelState {
   std::vector<Vec6> V;             ///< [links] of end links, about p0
 
   std::vector<LoopColumns> P;
-  std::vector<LoopLanes> g, s, reduced, lambda;
+  std::vector<LoopLanes> g, s, t, reduced, lambda;
   std::vector<LoopBlock> Lambda, Y;
   std::vector<LoopFactor> factor;
   std::vector<CacheLine> scratch;

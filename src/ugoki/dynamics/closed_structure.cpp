@@ -17,8 +17,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Analysis {
  public:
-  Analysis(const ClosedTree& tree, std::span<const Loop> loops, ClosedStructure& structure)
-      : tree_(tree), loops_(loops), c_(structure), world_(int_of(tree.parent.size())) {}
+  Analysis(const ClosedTree& tree, std::span<const Loop> loops, ClosedStructure::Meeting meeting, ClosedStructure& structure)
+      : tree_(tree), loops_(loops), meeting_(meeting), c_(structure), world_(int_of(tree.parent.size())) {}
 
   void run(std::span<const char> closed, std::span<const int> first_row, std::span<const char> use_row) {
     make_entries(closed, first_row, use_row);
@@ -40,6 +40,7 @@ class Analysis {
   }
   /// Parents have smaller indices; the world is above all.
   int meeting(int a, int b) const {
+    if (meeting_ == ClosedStructure::Meeting::world) return world_;
     while (a != b) {
       if (a == world_ || b == world_) return world_;
       int& deeper = a > b ? a : b;
@@ -205,6 +206,7 @@ class Analysis {
 
   const ClosedTree& tree_;
   std::span<const Loop> loops_;
+  ClosedStructure::Meeting meeting_;
   ClosedStructure& c_;
   int world_;
   std::vector<std::pair<int, int>> ends_;     ///< [entries] nodes
@@ -218,9 +220,9 @@ class Analysis {
 }  // namespace
 
 ClosedStructure::ClosedStructure(const ClosedTree& tree, std::span<const Loop> loops, std::span<const char> closed,
-                                 std::span<const int> first_row, std::span<const char> use_row) {
+                                 std::span<const int> first_row, std::span<const char> use_row, Meeting meeting) {
   UGOKI_CHECK(closed.size() == loops.size() && first_row.size() == loops.size() + 1);
-  Analysis(tree, loops, *this).run(closed, first_row, use_row);
+  Analysis(tree, loops, meeting, *this).run(closed, first_row, use_row);
 }
 
 }  // namespace ugoki::dynamics

@@ -73,9 +73,12 @@ struct ClosedStructure {
     int s_slot = 0;  ///< the same, counted in loops
   };
 
+  /// Where loops are eliminated: each where its branches meet, or all of them at the world.
+  enum class Meeting : unsigned char { own_branches, world };
+
   /// @param closed [loops] @param use_row [rows of all loops] or empty: all @param first_row [loops + 1]
   ClosedStructure(const ClosedTree& tree, std::span<const Loop> loops, std::span<const char> closed, std::span<const int> first_row,
-                  std::span<const char> use_row);
+                  std::span<const char> use_row, Meeting meeting = Meeting::own_branches);
 
   std::vector<Entry> entries;
   std::vector<int> entry_of_loop;  ///< [loops] -1: open

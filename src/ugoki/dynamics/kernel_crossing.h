@@ -250,9 +250,15 @@ struct Pass {
     return transpose_times(E[i], twice ? transpose_times(matrix_of<T>(a.constants[i].R), parent) : parent);
   }
 
+  [[nodiscard]] bool none_acts() const {
+    for (int k = 0; k < 6 * a.link_count; ++k)
+      if (a.external[k] != Real(0)) return false;
+    return true;
+  }
+
   /// External wrenches of the links, from the world's axes and origin to those of the nodes.
   void take_wrenches() {
-    if (a.external == nullptr) return;
+    if (a.external == nullptr || (T::count == 1 && none_acts())) return;
     struct Frame {
       V3<T> x, y, z, p;  // the world's axes in the node's; the node's origin in the world
     };

@@ -76,6 +76,14 @@ class ForwardKernel {
 
   /// The rest, on what turn_all() left in the scratch.
   Mask accelerate() {
+    condense();
+    loops_.eliminate_world(a_.nodes, acceleration_[0]);
+    move();
+    return bad_;
+  }
+
+  /// The first half: articulated inertias; then the forces left in the freedoms may still change.
+  void condense() {
     const T none(0);
     pass_.take_wrenches();
     loops_.begin();
@@ -88,7 +96,10 @@ class ForwardKernel {
       }
     }
     acceleration_[0] = {{none, none, none}, -vector_of<T>(a_.gravity)};
-    loops_.eliminate_world(a_.nodes, acceleration_[0]);
+  }
+
+  /// The second half.
+  void move() {
     for (int i = 0; i < a_.nodes; ++i) {
       switch (a_.order[i].crossing) {
         case Crossing::none: outward_revolute<Crossing::none>(i); break;
@@ -97,7 +108,6 @@ class ForwardKernel {
         case Crossing::matrix: outward(i); break;
       }
     }
-    return bad_;
   }
 
   /// The node's angular velocity in its own axes.
@@ -105,6 +115,8 @@ class ForwardKernel {
   [[nodiscard]] const Pass<T>& pass() const { return pass_; }
 
  private:
+  friend class PathForward;
+
   struct FreedomPass {
     Vec6T<T> U;
     T d, u;  ///< 1 / D; reduced joint force

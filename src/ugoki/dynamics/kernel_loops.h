@@ -91,6 +91,9 @@ class LoopPass {
   void eliminate_world(int world, const Vec6T<T>& A0) {
     const ClosedStructure::Node& n = a_.nodes[world];
     for (int i = 0; i < n.present_count; ++i) subtract(a_.present[n.present + i].entry, along(columns(n.present + i), A0));
+    solve_world(world);
+  }
+  void solve_world(int world) {
     eliminate_all(world, nullptr);
     recover_all(world, nullptr);
   }

@@ -212,8 +212,7 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
       order[static_cast<std::size_t>(last[i])].last_child = true;
     }
     order[i].force_begin = last[i] < 0 ? static_cast<int>(force_freedom.size()) : order[static_cast<std::size_t>(last[i])].force_begin;
-    const int freedoms = order[i].kind == NodeKind::floating ? 6 : order[i].kind == NodeKind::spherical ? 3 : 1;
-    for (int k = freedoms; k-- > 0;) force_freedom.push_back(order[i].v + k);
+    for (int k = freedoms_of(order[i].kind); k-- > 0;) force_freedom.push_back(order[i].v + k);
     order[i].force_end = static_cast<int>(force_freedom.size());
     order[i].ordered = least_below[i] >= order[i].v;
     if (order[i].parent >= 0) {

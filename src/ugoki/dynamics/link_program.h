@@ -15,6 +15,7 @@
 namespace ugoki::dynamics {
 
 enum class NodeKind : std::uint8_t { revolute, prismatic, helical, spherical, floating };
+[[nodiscard]] constexpr int freedoms_of(NodeKind kind) { return kind == NodeKind::floating ? 6 : kind == NodeKind::spherical ? 3 : 1; }
 
 /// What a node costs to cross: a revolute joint whose frame is that of the parent with x, y, z exchanged cyclically (R v =
 /// (v.z, v.x, v.y) for `cycle`, (v.y, v.z, v.x) for `cycle_back`), or a whole rotation matrix.
