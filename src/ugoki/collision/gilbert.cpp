@@ -11,6 +11,8 @@ namespace {
 constexpr double rounding = 1e-15;  ///< of the coordinates: what a difference of support points is exact to
 constexpr double touch = 1e-14;     ///< of the coordinates: nearer is touching
 
+constexpr int most_fresh_starts = 5;
+
 /// A hull as the search sees it.
 struct HullCore {
   const Support& s;
@@ -70,6 +72,7 @@ class Search {
     double vv = dot(v_, v_);
     double lower2 = 0;  // square of the greatest lower bound so far
     out.status = GilbertStatus::not_converged;
+    int fresh_starts = 0;
     std::int32_t ha = 0, hb = 0;
     if (warm) nearest_hints(ha, hb);
     while (out.iterations < options_.max_iterations) {
@@ -109,7 +112,16 @@ class Search {
       const double next = dot(v, v);
       v_ = v;
       if (out.status == GilbertStatus::beyond) break;
-      if (simplex_.count > 1 && !(next < vv) && out.iterations > 1) break;
+      if (simplex_.count > 1 && !(next < vv) && out.iterations > 1) {
+        // Only rounding is left of the simplex: begin anew from this point, which is all but the nearest.
+        if (++fresh_starts > most_fresh_starts) break;
+        simplex_.count = 1;
+        simplex_.corner[0] = c;
+        simplex_.weight[0] = 1;
+        v_ = c.w;
+        vv = dot(v_, v_);
+        continue;
+      }
       vv = next;
     }
     finish(out, lower2, tolerance);
@@ -172,7 +184,7 @@ class Search {
     if (out.status == GilbertStatus::touching) {
       out.distance = out.lower = -radii_;
       out.pa = out.pb = X_WA_ * on_a;
-      cache_.count = 0;
+      remember();
       return;
     }
     const double d = norm(v_);
@@ -188,8 +200,12 @@ class Search {
     out.pa = X_WA_ * (on_a - n * a_.s.radius);
     out.pb = out.pa - out.n * out.distance;
     cache_.n = n;
-    cache_.count = simplex_.count;
-    for (int k = 0; k < simplex_.count; ++k) {
+    remember();
+  }
+
+  void remember() {
+    cache_.count = simplex_.count < 3 ? simplex_.count : 3;
+    for (int k = 0; k < cache_.count; ++k) {
       cache_.a[static_cast<std::size_t>(k)] = simplex_.corner[k].ia;
       cache_.b[static_cast<std::size_t>(k)] = simplex_.corner[k].ib;
     }
@@ -230,13 +246,14 @@ GilbertResult half_space_distance(const Support& a, const Pose& X_WA, const Supp
   return out;
 }
 
+bool is_empty(const Support& s) { return s.kind == SupportKind::hull && (s.hull == nullptr || s.hull->vertices.empty()); }
 bool has_walk(const Support& s) { return s.kind == SupportKind::hull && !s.hull->walk.nodes.empty(); }
 
 }  // namespace
 
 GilbertResult gilbert_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                const GilbertOptions& options) {
-  if (!all_finite(X_WA) || !all_finite(X_WB)) return {};
+  if (!all_finite(X_WA) || !all_finite(X_WB) || is_empty(a) || is_empty(b)) return {};
   if (has_walk(a) && has_walk(b)) return Search<HullCore, HullCore>(a, X_WA, b, X_WB, cache, options).run();
   if (a.kind == SupportKind::half_space || b.kind == SupportKind::half_space) return half_space_distance(a, X_WA, b, X_WB);
   return Search<AnyCore, AnyCore>(a, X_WA, b, X_WB, cache, options).run();

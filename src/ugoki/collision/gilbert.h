@@ -31,9 +31,9 @@ enum class GilbertStatus : std::uint8_t {
 };
 
 struct GilbertOptions {
-  double tolerance = 1e-11;                                   ///< of the sum of both bounding radii: greatest duality gap accepted
+  double tolerance = 1e-10;                                   ///< of the sum of both bounding radii: greatest duality gap accepted
   double farthest = std::numeric_limits<double>::infinity();  ///< m: stop as soon as the distance is known to be greater
-  int max_iterations = 200;
+  int max_iterations = 200;                                   ///< penetration: twice as many
 };
 
 /// Separated: distance = |pa - pb| (cores' distance less the radii, which may be negative where inflated shapes overlap while

@@ -6,6 +6,8 @@
 
 namespace ugoki::collision {
 
+class Polytope;
+
 /// Scratch memory of penetration and signed_distance; one for each thread, any pair may use it. Grows to what is needed, then stays.
 class PenetrationWorkspace {
  public:
@@ -14,7 +16,6 @@ class PenetrationWorkspace {
   PenetrationWorkspace(PenetrationWorkspace&&) noexcept;
   PenetrationWorkspace& operator=(PenetrationWorkspace&&) noexcept;
 
-  struct Polytope;
   [[nodiscard]] Polytope& polytope() { return *polytope_; }
 
  private:
@@ -25,7 +26,7 @@ enum class DistanceStatus : std::uint8_t {
   separated,      ///< distance > 0
   penetrating,    ///< distance <= 0
   beyond,         ///< farther apart than options.farthest
-  not_converged,  ///< stopped at the bound of iterations or of rounding: the true value is between `lower` and `distance`
+  not_converged,  ///< stopped at the bound of iterations or of rounding: the true value is between `lower` and `upper`
   not_finite,     ///< a pose or size is NaN or infinite: nothing is known
   not_bounded,    ///< two half-spaces
 };
@@ -33,10 +34,10 @@ enum class DistanceStatus : std::uint8_t {
 /// pa - pb = n * distance: pushing a by n * (-distance), when they penetrate, makes them touch.
 struct SignedDistance {
   DistanceStatus status = DistanceStatus::not_finite;
-  double distance = 0;  ///< m, between the surfaces: positive apart, negative the depth (the shortest translation that separates)
-  double lower = 0;     ///< m: the true value is not below
-  Vec3 pa, pb;          ///< m, world: nearest (deepest) points on a and b
-  Vec3 n;               ///< unit, world: from b towards a
+  double distance = 0;          ///< m, between the surfaces: positive apart, negative the depth (the shortest translation that separates)
+  double lower = 0, upper = 0;  ///< m: the true value is between them; they differ by rounding and options.tolerance
+  Vec3 pa, pb;                  ///< m, world: nearest (deepest) points on a and b
+  Vec3 n;                       ///< unit, world: from b towards a
   int iterations = 0;
 };
 

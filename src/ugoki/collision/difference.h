@@ -1,0 +1,26 @@
+#pragma once
+// The difference a - b of two shapes' cores (Minkowski's), in the frame of a: what Gilbert's method and the polytope search.
+
+#include "ugoki/collision/simplex.h"
+#include "ugoki/collision/support_point.h"
+#include "ugoki/spatial/spatial.h"
+
+namespace ugoki::collision {
+
+struct Difference {
+  const Support& a;
+  const Support& b;
+  Mat3 R;  ///< pose of b in a
+  Vec3 p;
+
+  Difference(const Support& one, const Pose& X_WA, const Support& two, const Pose& X_WB)
+      : a(one), b(two), R(X_WA.R.transposed() * X_WB.R), p(transpose_times(X_WA.R, X_WB.p - X_WA.p)) {}
+
+  /// Its farthest point along d.
+  [[nodiscard]] Corner support(const Vec3& d, std::int32_t hint_a, std::int32_t hint_b) const {
+    const SupportPoint on_a = support_point(a, d, hint_a), on_b = support_point(b, -transpose_times(R, d), hint_b);
+    return {on_a.p - (R * on_b.p + p), on_a.p, on_a.vertex, on_b.vertex};
+  }
+};
+
+}  // namespace ugoki::collision
