@@ -106,6 +106,50 @@ double greatest_difference(std::span<const double> a, std::span<const double> b)
   return difference / size;
 }
 
+// Links held to the world by points or as wholes, as feet and hands are: up to five of them.
+TEST(ClosedLinks, LinksHeldToTheWorldAreTheDenseSolution) {
+  int full = 0;
+  for (unsigned seed = 1; seed < 80; ++seed) {
+    RandomSource random(seed + 900);
+    constexpr JointType types[] = {JointType::revolute, JointType::revolute, JointType::prismatic, JointType::helical,
+                                   JointType::spherical};
+    const MechanismPtr m = *Mechanism::make(testing::random_spec(random, 20, types, seed % 3 != 0));
+    State s(*m);
+    testing::randomize(random, *m, s);
+    Workspace ws(*m);
+    update_kinematics(*m, s.q, s.v, ws);
+    std::vector<Loop> loops;
+    for (int i = 0, n = 1 + random.below(5); i < n; ++i) {
+      Loop l{.type = random.below(2) == 0 ? LoopType::weld : LoopType::ball, .link_b = random.below(m->link_count())};
+      l.X_BJ = {random.rotation(), random.vec(0.3)};
+      l.X_AJ = ws.X_WB[static_cast<std::size_t>(l.link_b)] * l.X_BJ;
+      loops.push_back(l);
+    }
+    const std::vector<char> closed(loops.size(), 1);
+    ClosedLinks links(*m, loops, closed);
+    ASSERT_EQ(factor_closed_links(*m, ws, links, s.q, s.v), ClosedStatus::ok);
+    project_velocity(*m, ws, links, s.v);
+    const Dense dense = solve_by_kkt(*m, s, loops, closed);
+    std::vector<double> vdot(s.v.size());
+    ASSERT_EQ(calc_closed_forward_dynamics(*m, links, s.q, s.v, s.tau, gravity, s.external, vdot), ClosedStatus::ok);
+    EXPECT_EQ(links.rank(), dense.rank) << "seed " << seed;
+    EXPECT_LT(greatest_difference(vdot, dense.vdot), 1e-8) << "seed " << seed;
+    if (links.rank() < links.rows().count()) continue;
+    ++full;  // then the multipliers are unique: forces on link b along the axes of J_A
+    std::vector<Vec6> external = s.external;
+    for (std::size_t i = 0; i < loops.size(); ++i)
+      for (int r = 0; r < loops[i].rows(); ++r) {
+        const double lambda = links.multipliers()[static_cast<std::size_t>(links.rows().first[i] + r)];
+        const Vec3 along = loops[i].X_AJ.R.column(r % 3) * lambda;
+        external[static_cast<std::size_t>(loops[i].link_b)] += r < 3 ? Vec6{cross(loops[i].X_AJ.p, along), along} : Vec6{along, {}};
+      }
+    std::vector<double> open(s.v.size());
+    ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, external, open));
+    EXPECT_LT(greatest_difference(open, vdot), 1e-8) << "multipliers, seed " << seed;
+  }
+  EXPECT_GT(full, 10);
+}
+
 TEST(ClosedLinks, ForwardDynamicsIsTheDenseSolution) {
   for (unsigned seed = 1; seed < 200; ++seed) {
     RandomLoops c(seed);

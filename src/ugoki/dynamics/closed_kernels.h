@@ -33,7 +33,9 @@ struct alignas(64) LoopFactor {
 struct NodeMotion {
   double R[9], p[3];  ///< node's axes into the world's; m
   double w[3], v[3];  ///< rad/s; m/s of its origin
+  double spin[3];     ///< rad/s: w in the node's axes, where only the rotation is wanted
 };
+enum class NodeWanted : char { nothing, rotation, motion };
 
 struct ClosedArguments {
   double dependent;  ///< dependent_row
@@ -49,8 +51,8 @@ struct ClosedArguments {
   const double* slope;  ///< [loops] of gears
   const LoopPaths* paths;
 
-  const char* moves;   ///< [nodes] NodeMotion wanted
-  NodeMotion* motion;  ///< [nodes, out of closed_motion]
+  const NodeWanted* moves;
+  NodeMotion* motion;  ///< [nodes, out of closed_motion] as far as wanted
 
   // In: P holds the loops' wrenches on their own nodes (minus those at link b, plus those at link a), g their residuals.
   LoopColumns* P;  ///< [present], in the node's axes about its origin

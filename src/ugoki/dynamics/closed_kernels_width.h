@@ -15,39 +15,63 @@ void store(const V3<One>& v, double* to) {
   to[2] = v.z.v;
 }
 
+Mat3T<One> of_rows(const V3<One>& x, const V3<One>& y, const V3<One>& z) { return {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}; }
+
+template <Crossing K>
+Mat3T<One> turned(const Pass<One>& pass, const NodeOrder& o, const Mat3T<One>& R) {
+  const RevoluteCrossing<One, K> X = pass.revolute<K>(o);
+  return of_rows(X.down(R.row(0)), X.down(R.row(1)), X.down(R.row(2)));
+}
+/// A matrix whose rows are vectors of the parent, in the axes of node i.
+Mat3T<One> turned(const Pass<One>& pass, const NodeOrder& o, int i, const Mat3T<One>& R) {
+  switch (o.crossing) {
+    case Crossing::none: return turned<Crossing::none>(pass, o, R);
+    case Crossing::cycle: return turned<Crossing::cycle>(pass, o, R);
+    case Crossing::cycle_back: return turned<Crossing::cycle_back>(pass, o, R);
+    case Crossing::matrix: break;
+  }
+  return of_rows(pass.down(i, R.row(0)), pass.down(i, R.row(1)), pass.down(i, R.row(2)));
+}
+
+/// Where a node is and how it moves; `to` has its rotation, `R` is that of the parent.
+void move_node(const ClosedForward& kernel, const KernelArguments<double>& a, const NodeMotion* up, int i, const Mat3T<One>& R,
+               NodeMotion& to) {
+  const NodeOrder& o = a.order[i];
+  V3<One> p{0, 0, 0}, w{0, 0, 0}, v{0, 0, 0};
+  if (up != nullptr) {
+    p = vector_of<One>(up->p);
+    w = vector_of<One>(up->w);
+    v = vector_of<One>(up->v);
+  }
+  const V3<One> arm = R * kernel.pass().origin(i);
+  v += cross(w, arm);
+  if (o.kind == NodeKind::prismatic || o.kind == NodeKind::helical) {
+    const NodeConstants<double>& k = a.constants[i];
+    const V3<One> z{k.R[2], k.R[5], k.R[8]};
+    v += R * (z * One(k.sign * (o.kind == NodeKind::helical ? k.pitch : 1.0) * a.v[o.v]));
+  }
+  if (o.kind == NodeKind::floating) v += R * (matrix_of<One>(a.constants[i].R) * V3<One>{a.v[o.v + 3], a.v[o.v + 4], a.v[o.v + 5]});
+  store(p + arm, to.p);
+  store(matrix_of<One>(to.R) * kernel.angular_velocity(i), to.w);
+  store(v, to.v);
+}
+
 /// Motions of the wanted nodes, from the base on.
 void move_nodes(const ClosedForward& kernel, const KernelArguments<double>& a, const ClosedArguments& c) {
-  const Pass<One>& pass = kernel.pass();
   for (int i = 0; i < a.nodes; ++i) {
-    if (!c.moves[i]) continue;
+    if (c.moves[i] == NodeWanted::nothing) continue;
     const NodeOrder& o = a.order[i];
     NodeMotion& to = c.motion[i];
-    const V3<One> r = pass.origin(i);
-    Mat3T<One> R = Mat3T<One>::identity();  // columns: the world's axes in the parent's, turned below
-    V3<One> p{0, 0, 0}, w{0, 0, 0}, v{0, 0, 0};
-    if (o.parent >= 0) {
-      const NodeMotion& up = c.motion[o.parent];
-      R = matrix_of<One>(up.R);
-      p = vector_of<One>(up.p);
-      w = vector_of<One>(up.w);
-      v = vector_of<One>(up.v);
-    }
-    const V3<One> arm = R * r;
-    v += cross(w, arm);
-    if (o.kind == NodeKind::prismatic || o.kind == NodeKind::helical) {
-      const NodeConstants<double>& k = a.constants[i];
-      const V3<One> z{k.R[2], k.R[5], k.R[8]};
-      v += R * (z * One(k.sign * (o.kind == NodeKind::helical ? k.pitch : 1.0) * a.v[o.v]));
-    }
-    if (o.kind == NodeKind::floating) v += R * (matrix_of<One>(a.constants[i].R) * V3<One>{a.v[o.v + 3], a.v[o.v + 4], a.v[o.v + 5]});
-    const V3<One> x = pass.down(i, R.row(0)), y = pass.down(i, R.row(1)), z = pass.down(i, R.row(2));
-    store(x, to.R);
-    store(y, to.R + 3);
-    store(z, to.R + 6);
-    store(p + arm, to.p);
-    const V3<One> spin = kernel.angular_velocity(i);
-    store({dot(x, spin), dot(y, spin), dot(z, spin)}, to.w);
-    store(v, to.v);
+    const NodeMotion* const up = o.parent >= 0 ? c.motion + o.parent : nullptr;
+    const Mat3T<One> R_up = up != nullptr ? matrix_of<One>(up->R) : Mat3T<One>::identity();
+    const Mat3T<One> R = turned(kernel.pass(), o, i, R_up);
+    store(R.row(0), to.R);
+    store(R.row(1), to.R + 3);
+    store(R.row(2), to.R + 6);
+    if (c.moves[i] == NodeWanted::motion)
+      move_node(kernel, a, up, i, R_up, to);
+    else
+      store(kernel.angular_velocity(i), to.spin);
   }
 }
 

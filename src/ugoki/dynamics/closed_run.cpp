@@ -37,6 +37,13 @@ MechanismPtr with_shares(const Mechanism& m, std::span<const InertiaShare> share
   return Mechanism::make(std::move(spec)).value();
 }
 
+/// A link held to the world at a point or as a whole needs neither where the link is nor how fast its points are: the rows say that
+/// the material point at J_B, or the link's rotation too, does not accelerate.
+bool is_world_bound(const ClosedKernelState& k, const Loop& loop) {
+  return k.by_paths && (loop.type == LoopType::weld || loop.type == LoopType::ball) && loop.link_a < 0 && loop.link_b >= 0 &&
+         k.program.links[at(loop.link_b)].node >= 0;
+}
+
 Mat3 rotation_of(const NodeMotion& motion) {
   const double* R = motion.R;
   return {R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]};
@@ -69,8 +76,11 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
   }
   std::ranges::sort(end_links);
   end_links.erase(std::ranges::unique(end_links).begin(), end_links.end());
+  world_bound = std::ranges::all_of(over_nodes.entries,
+                                    [&](const ClosedStructure::Entry& e) { return is_world_bound(*this, links.loops()[at(e.loop)]); });
   for (const int link : end_links)
-    for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent) moves[at(node)] = 1;
+    for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent)
+      moves[at(node)] = world_bound ? NodeWanted::rotation : NodeWanted::motion;
   P.resize(over_nodes.present.size());
   g.resize(over_nodes.entries.size());
   s.resize(by_paths ? paths.freedom.size() : at(over_nodes.s_slots));
@@ -92,10 +102,14 @@ class ClosedRun {
     const KernelArguments<double> a = arguments(tau, gravity, external, vdot);
     const ClosedArguments c = closed_arguments();
     closed_kernels().motion(a, c);
-    move_end_links();
-    update_loop_rows(m_, p0_, k_.X_WB, k_.V, links_.loops_, q_, v_, false, links_.rows_);
-    std::ranges::fill(k_.P, LoopColumns{});
-    for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_loop(e);
+    if (k_.world_bound) {
+      for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_world_bound(e, gravity);
+    } else {
+      move_end_links();
+      update_loop_rows(m_, p0_, k_.X_WB, k_.V, links_.loops_, q_, v_, false, links_.rows_);
+      std::ranges::fill(k_.P, LoopColumns{});
+      for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_loop(e);
+    }
     const bool ok = k_.by_paths ? closed_kernels().forward_by_paths(a, c) : closed_kernels().forward(a, c);
     if (ok) take_results();
     return ok;
@@ -208,6 +222,31 @@ class ClosedRun {
         P.c[c + 3][k] += sign * f[c];
       }
       g.x[k] += sign * dot(w.v, turning);
+    }
+  }
+
+  /// e . (a + w' x r + w x (w x r) + gravity) = 0 with r the held point in the node, and e . w' = 0; e: axes of J_A.
+  void begin_world_bound(std::size_t index, const Vec3& gravity) {
+    const ClosedStructure::Entry& e = x_.entries[index];
+    const Loop& loop = links_.loops_[at(e.loop)];
+    const LinkPlace& place = k_.program.links[at(loop.link_b)];
+    const NodeMotion& motion = k_.motion[at(place.node)];
+    const Mat3 R_NW = rotation_of(motion).transposed();
+    const Vec3 r = place.X_NL * loop.X_BJ.p, w = vec(motion.spin);
+    const Vec3 drift = cross(w, cross(w, r)) + R_NW * gravity;
+    LoopColumns& P = k_.P[at(e.present_b)];
+    LoopLanes& g = k_.g[index];
+    const int first = links_.rows_.first[at(e.loop)];
+    for (int k = 0; k < e.rows; ++k) {
+      const int row = x_.row[at(e.first + k)] - first;
+      const Vec3 axis = R_NW * loop.X_AJ.R.column(row % 3);
+      const bool position = row < 3;
+      const Vec3 n = position ? cross(axis, r) : -axis;
+      for (int c = 0; c < 3; ++c) {
+        P.c[c][k] = n[c];
+        P.c[c + 3][k] = position ? -axis[c] : 0.0;
+      }
+      g.x[k] = position ? dot(axis, drift) : 0.0;
     }
   }
 

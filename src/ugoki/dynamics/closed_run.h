@@ -15,7 +15,8 @@ struct ClosedKernelState {
   bool by_paths = false;  ///< loops are eliminated at the world
   LoopPaths paths;
   std::vector<int> end_links;      ///< of closed loops
-  std::vector<char> moves;         ///< [nodes] on the way to an end link
+  bool world_bound = false;        ///< all loops hold a link to the world: see WorldBound
+  std::vector<NodeWanted> moves;   ///< [nodes] on the way to an end link
   std::vector<NodeMotion> motion;  ///< [nodes]
   std::vector<Pose> X_WB;          ///< [links] of end links
   std::vector<Vec6> V;             ///< [links] of end links, about p0
