@@ -1,0 +1,151 @@
+#pragma once
+// Distance of two triangles in lanes: the template behind triangle_distance.h and the leaves of bubble.h. Internal to collision/.
+//
+// Every candidate is the distance of two points that lie on the triangles, so that rounding can make the result too great by
+// a few units in the last place, but never too small by more than that. No branch but one: whether any lane may pierce.
+
+#include "ugoki/spatial/lanes.h"
+#include "ugoki/spatial/vec3.h"
+
+namespace ugoki::collision {
+namespace {
+
+/// Square of a distance, and where it is attained (with_points only).
+template <class T>
+struct NearestPoints {
+  T d2;
+  Vec3T<T> a, b;
+};
+
+template <class T>
+T least(T a, T b) {
+  return select(a < b, a, b);
+}
+template <class T>
+T greatest(T a, T b) {
+  return select(a > b, a, b);
+}
+/// x cut to 0 ... 1; NaN becomes 0.
+template <class T>
+T cut(T x) {
+  return least(greatest(x, T(0)), T(1));
+}
+template <class Mask>
+Mask both(Mask a, Mask b) {
+  const Mask not_a = !a, not_b = !b;
+  return !(not_a | not_b);
+}
+template <class T>
+Vec3T<T> select(typename T::Mask m, const Vec3T<T>& a, const Vec3T<T>& b) {
+  return {select(m, a.x, b.x), select(m, a.y, b.y), select(m, a.z, b.z)};
+}
+
+/// A triangle as the projection of points on it needs it: p + x c + v g, g at a right angle to c. Where c is its longest side
+/// nothing is lost on needles and caps.
+template <class T>
+struct Face {
+  Vec3T<T> p, c, g;
+  T per_c2, per_g2, slant;
+
+  explicit Face(const Vec3T<T>* corner) : p(corner[0]), c(corner[1] - corner[0]) {
+    const Vec3T<T> b = corner[2] - corner[0];
+    per_c2 = T(1) / dot(c, c);
+    slant = dot(b, c) * per_c2;
+    g = b - c * slant;
+    per_g2 = T(1) / dot(g, g);
+  }
+};
+
+/// A point seen from a face: the vector from its plane, and the weights of the corners 1 and 2 at the foot.
+template <class T>
+struct Foot {
+  Vec3T<T> up;
+  T w1, w2;
+
+  Foot() = default;
+  Foot(const Face<T>& f, const Vec3T<T>& q) {
+    const Vec3T<T> r = q - f.p;
+    const T x = dot(r, f.c) * f.per_c2;
+    const Vec3T<T> across = r - f.c * x;
+    w2 = dot(across, f.g) * f.per_g2;
+    w1 = x - w2 * f.slant;
+    up = across - f.g * w2;
+  }
+  [[nodiscard]] typename T::Mask inside() const { return !((w1 < T(0)) | (w2 < T(0)) | (w1 + w2 > T(1))); }
+};
+
+/// q: triangle; feet[k] of its corners on the face f. Corners above the face, and sides that pass through it.
+template <bool with_points, bool swapped, class T>
+void try_face(const Face<T>& f, const Vec3T<T>* q, NearestPoints<T>& best) {
+  Foot<T> feet[3];
+  const auto take = [&](typename T::Mask better, T d2, const Vec3T<T>& x, const Foot<T>& foot) {
+    best.d2 = select(better, d2, best.d2);
+    if constexpr (with_points) {
+      const Vec3T<T> on_face = x - foot.up;
+      best.a = select<T>(better, swapped ? x : on_face, best.a);
+      best.b = select<T>(better, swapped ? on_face : x, best.b);
+    }
+  };
+  for (int k = 0; k < 3; ++k) {
+    feet[k] = Foot<T>(f, q[k]);
+    const T d2 = dot(feet[k].up, feet[k].up);
+    take(both(feet[k].inside(), d2 < best.d2), d2, q[k], feet[k]);
+  }
+  const T turn[3] = {dot(feet[0].up, feet[1].up), dot(feet[1].up, feet[2].up), dot(feet[2].up, feet[0].up)};
+  if (!any((turn[0] < T(0)) | (turn[1] < T(0)) | (turn[2] < T(0)))) return;
+  for (int k = 0; k < 3; ++k) {
+    const Foot<T>&from = feet[k], &to = feet[k == 2 ? 0 : k + 1];
+    const Vec3T<T> climb = to.up - from.up;
+    const T s = -dot(from.up, climb) / dot(climb, climb);
+    Foot<T> through;
+    through.up = {T(0), T(0), T(0)};
+    through.w1 = from.w1 + s * (to.w1 - from.w1);
+    through.w2 = from.w2 + s * (to.w2 - from.w2);
+    const typename T::Mask pierces = both(both(turn[k] < T(0), through.inside()), best.d2 > T(0));
+    take(pierces, T(0), q[k] + (q[k == 2 ? 0 : k + 1] - q[k]) * s, through);
+  }
+}
+
+/// All nine pairs of sides. Source: Ericson (2005), 5.1.9.
+template <bool with_points, class T>
+void try_sides(const Vec3T<T>* p, const Vec3T<T>* q, NearestPoints<T>& best) {
+  Vec3T<T> f[3];
+  T per_f2[3];
+  for (int j = 0; j < 3; ++j) {
+    f[j] = q[j == 2 ? 0 : j + 1] - q[j];
+    per_f2[j] = T(1) / dot(f[j], f[j]);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const Vec3T<T> e = p[i == 2 ? 0 : i + 1] - p[i];
+    const T per_e2 = T(1) / dot(e, e);
+    for (int j = 0; j < 3; ++j) {
+      const Vec3T<T> w = q[j] - p[i], n = cross(e, f[j]);
+      const T ef = dot(e, f[j]);
+      T s = cut(dot(cross(w, f[j]), n) / dot(n, n));
+      const T t = cut((s * ef - dot(w, f[j])) * per_f2[j]);
+      s = cut((dot(w, e) + t * ef) * per_e2);
+      const Vec3T<T> apart = w + f[j] * t - e * s;
+      const T d2 = dot(apart, apart);
+      const typename T::Mask better = d2 < best.d2;
+      best.d2 = select(better, d2, best.d2);
+      if constexpr (with_points) {
+        best.a = select<T>(better, p[i] + e * s, best.a);
+        best.b = select<T>(better, q[j] + f[j] * t, best.b);
+      }
+    }
+  }
+}
+
+/// p, q: the corners of the two triangles, the longest side first (0 to 1), in lanes. d2 is 0 where they pierce each other,
+/// `above` where nothing is below that.
+template <bool with_points, class T>
+NearestPoints<T> nearest_points(const Vec3T<T>* p, const Vec3T<T>* q, T above) {
+  NearestPoints<T> best{above, p[0], q[0]};
+  try_sides<with_points>(p, q, best);
+  try_face<with_points, false>(Face<T>(p), q, best);
+  try_face<with_points, true>(Face<T>(q), p, best);
+  return best;
+}
+
+}  // namespace
+}  // namespace ugoki::collision
