@@ -33,8 +33,9 @@ struct WayOut {
 
 class Expansion {
  public:
-  Expansion(const Difference& difference, const GilbertCache& cache, Polytope& polytope, double size, double tolerance)
-      : difference_(difference), cache_(cache), polytope_(polytope), size_(size), tolerance_(tolerance) {}
+  /// @param shared m, frame of a: a point of both cores
+  Expansion(const Difference& difference, const GilbertCache& cache, Polytope& polytope, double size, double tolerance, const Vec3& shared)
+      : difference_(difference), cache_(cache), polytope_(polytope), size_(size), tolerance_(tolerance), shared_(shared) {}
 
   WayOut run(int max_iterations) {
     if (!start()) return best_;
@@ -98,22 +99,16 @@ class Expansion {
     for (int k = 0; k < s.count; ++k) best_.on_a += s.corner[k].a * s.weight[k];
   }
 
-  /// The difference has no inside: it is `count` points' line or plane, and n is square on it.
+  /// The difference has no inside: it is the point, line or plane of `count` points, and n is square on it.
   bool end_flat(const Vec3& n, const Corner* c, int count) {
-    const Corner up = look(n), down = look(-n);
-    const bool turn = dot(-n, down.w) < dot(n, up.w);
-    best_.n = turn ? -n : n;
-    best_.depth = turn ? dot(-n, down.w) : dot(n, up.w);
-    best_.lower = -dot(best_.n, turn ? up.w : down.w);
-    if (best_.lower > best_.depth) best_.lower = best_.depth;
+    const double up = dot(n, look(n).w), down = -dot(n, look(-n).w);
+    best_.n = down < up ? -n : n;
+    best_.depth = down < up ? down : up;
+    best_.lower = std::fmin(best_.depth, 0);
+    best_.on_a = shared_;
     best_.converged = true;
-    Simplex s;
-    s.count = count;
-    for (int k = 0; k < count; ++k) s.corner[k] = through_[k] = c[k];
+    for (int k = 0; k < count; ++k) through_[k] = c[k];
     through_count_ = count;
-    bool inside;
-    (void)reduce(s, 0, inside);
-    set_point(s);
     return false;
   }
 
@@ -195,6 +190,7 @@ class Expansion {
   const GilbertCache& cache_;
   Polytope& polytope_;
   double size_, tolerance_;
+  Vec3 shared_;
   WayOut best_;
   Corner found_[most_found];
   int found_count_ = 0;
@@ -226,7 +222,7 @@ SignedDistance signed_distance(const Support& a, const Pose& X_WA, const Support
   const double sizes = bounding_radius(a) + bounding_radius(b);
   const double scale = sizes + norm(difference.p);
   const double tolerance = std::fmax(options.tolerance * sizes, 4e-15 * scale);
-  Expansion expansion(difference, cache, workspace.polytope(), scale, tolerance);
+  Expansion expansion(difference, cache, workspace.polytope(), scale, tolerance, transpose_times(X_WA.R, g.pa - X_WA.p));
   const WayOut way = expansion.run(2 * options.max_iterations);
 
   SignedDistance out;

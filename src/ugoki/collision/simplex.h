@@ -115,6 +115,12 @@ inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
     }
     if (!any) {
       inside = true;
+      s.weight[3] = 1;
+      for (int k = 0; k < 3; ++k) {
+        const int opposite = k == 0 ? 2 : k - 1;
+        s.weight[opposite] = -dot(n[k], p) / volume;
+        s.weight[3] -= s.weight[opposite];
+      }
       return {};
     }
     int face = 0;
