@@ -22,12 +22,6 @@ const BubbleKernel* table_of(BubbleWidth width) {
 // What a test chose; written only by use_bubble_width(), while nothing else runs.
 const BubbleKernel* chosen = nullptr;
 
-bool usable(const Pose& X) {
-  double sum = std::fabs(X.p.x) + std::fabs(X.p.y) + std::fabs(X.p.z);
-  for (int i = 0; i < 3; ++i) sum += std::fabs(X.R.row(i).x) + std::fabs(X.R.row(i).y) + std::fabs(X.R.row(i).z);
-  return sum < 3 * farthest_pose;  // false for NaN
-}
-
 KernelTree plain_tree(const SphereTree& t) { return {t.blocks.data(), &t.vertices.data()->x, t.triangles.data()->data()}; }
 
 template <class Real>
@@ -96,6 +90,12 @@ bool names_triangles(const TrianglePair& p, const SphereTree& a, const SphereTre
 
 }  // namespace
 
+bool can_be_placed(const Pose& X) {
+  double sum = std::fabs(X.p.x) + std::fabs(X.p.y) + std::fabs(X.p.z);
+  for (int i = 0; i < 3; ++i) sum += std::fabs(X.R.row(i).x) + std::fabs(X.R.row(i).y) + std::fabs(X.R.row(i).z);
+  return sum < 3 * farthest_pose;  // false for NaN
+}
+
 const BubbleKernel& bubble_kernel() {
   static const BubbleKernel* const widest = [] {
     for (const BubbleWidth width : {BubbleWidth::avx512, BubbleWidth::avx2})
@@ -114,7 +114,7 @@ bool use_bubble_width(BubbleWidth width) {
 BubbleDistance find_distance(const SphereTree& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, TrianglePair& warm,
                              BubbleWorkspace& workspace, const BubbleOptions& options) {
   BubbleDistance out;
-  if (a.empty() || b.empty() || !usable(X_WA) || !usable(X_WB) || std::isnan(options.farthest)) return out;
+  if (a.empty() || b.empty() || !can_be_placed(X_WA) || !can_be_placed(X_WB) || std::isnan(options.farthest)) return out;
   const Placed placed(a, X_WA, b, X_WB);
   // Nothing is farther away than all of it.
   const double above = std::min(std::max(options.farthest, 0.0), 2 * placed.reach);
@@ -158,7 +158,7 @@ BubbleDistance find_distance(const SphereTree& a, const Pose& X_WA, const Sphere
 PairsFound find_pairs_within(const SphereTree& a, const Pose& X_WA, const SphereTree& b, const Pose& X_WB, double margin,
                              std::span<TriangleContact> out, BubbleWorkspace& workspace) {
   PairsFound found;
-  if (a.empty() || b.empty() || !usable(X_WA) || !usable(X_WB) || std::isnan(margin)) {
+  if (a.empty() || b.empty() || !can_be_placed(X_WA) || !can_be_placed(X_WB) || std::isnan(margin)) {
     found.status = BubbleStatus::not_finite;
     return found;
   }

@@ -60,9 +60,12 @@ struct PairsFound {
 
 /// Scratch memory of the searches; one for each thread, any trees may use it. Grows with the depth of the trees, then stays.
 struct BubbleWorkspace {
-  std::vector<KernelEntry> stack;
+  std::vector<KernelEntry> stack, stack_of_points, penetration;
   std::vector<KernelPair> pairs;
 };
+
+/// A pose that searches take: finite, and not farther away than 1e9 m.
+[[nodiscard]] bool can_be_placed(const Pose& X);
 
 /// Distance of mesh a at pose X_WA and mesh b at pose X_WB.
 /// @param warm the nearest triangles of the last query of this pair, in and out; {} at the start
