@@ -97,8 +97,8 @@ class PointSearch {
 /// The vertex of one mesh that is deepest inside the other, in the other's frame (about the centres of the trees).
 class DeepestVertex {
  public:
-  DeepestVertex(const SphereTree& tree, const SphereTree& other, const Pose& X, double depth, BubbleWorkspace& workspace)
-      : tree_(tree), other_(other), X_(X), depth(depth), workspace_(workspace) {}
+  DeepestVertex(const SphereTree& tree, const SphereTree& other, const Pose& X, double above, BubbleWorkspace& workspace)
+      : tree_(tree), other_(other), X_(X), depth(above), workspace_(workspace) {}
 
   void run() {
     auto& stack = workspace_.penetration;
@@ -155,7 +155,7 @@ class DeepestVertex {
   std::int32_t warm_ = -1;
 
  public:
-  double depth;
+  double depth;  // m: the greatest so far; vertices that are not deeper are of no interest
   Vec3 vertex, surface;
   bool any = false;
   int points = 0;
