@@ -1,0 +1,312 @@
+#include "ugoki/capture/calibrate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/dynamics/dense.h"
+
+namespace ugoki::capture {
+namespace {
+
+bool neighbours(const MarkerSet& set, int a, int b) {
+  const auto parent = [&](int i) { return set.segments[static_cast<std::size_t>(i)].parent; };
+  return a == b || parent(a) == b || parent(b) == a;
+}
+
+/// The unknowns that all frames share: three of each place of a marker, then three of each length that is not known; those of
+/// mirrored segments are one, with the sign of y changed.
+struct Shared {
+  std::vector<int> of_segment;  // [segments] first unknown, -1 where the offset is known
+  std::vector<char> flipped;    // [segments]
+  std::vector<double> prior;    // [unknowns] 1 / sigma^2
+  int count = 0;
+};
+
+Shared shared_unknowns(const Subject& s) {
+  Shared out;
+  out.count = 3 * static_cast<int>(s.places.size());
+  for (std::size_t m = 0; m < s.places.size(); ++m) {
+    const double sigma = std::max(s.marker(m).sigma * s.size, 1e-4);
+    out.prior.insert(out.prior.end(), 3, 1 / (sigma * sigma));
+  }
+  out.of_segment.assign(s.segment_count(), -1);
+  out.flipped.assign(s.segment_count(), 0);
+  for (std::size_t i = 0; i < s.segment_count(); ++i) {
+    const ModelSegment& segment = s.segment(i);
+    if (segment.parent < 0 || segment.offset_sigma == Vec3{}) continue;
+    if (segment.mirror >= 0 && segment.mirror < static_cast<int>(i)) {
+      out.of_segment[i] = out.of_segment[static_cast<std::size_t>(segment.mirror)];
+      out.flipped[i] = 1;
+      continue;
+    }
+    out.of_segment[i] = out.count;
+    out.count += 3;
+    for (int c = 0; c < 3; ++c) {
+      const double sigma = std::max(segment.offset_sigma[c] * s.size, 1e-5);
+      out.prior.push_back(1 / (sigma * sigma));
+    }
+  }
+  return out;
+}
+
+Vec3 flip(const Vec3& v, char flipped) { return flipped != 0 ? Vec3{v.x, -v.y, v.z} : v; }
+
+/// Departure of every shared unknown from the marker set's own value.
+std::vector<double> departures(const Subject& s, const Shared& shared) {
+  std::vector<double> out(static_cast<std::size_t>(shared.count));
+  const auto put = [&](int at, const Vec3& v) {
+    for (int c = 0; c < 3; ++c) out[static_cast<std::size_t>(at + c)] = v[c];
+  };
+  for (std::size_t m = 0; m < s.places.size(); ++m) put(3 * static_cast<int>(m), s.places[m] - s.marker(m).at * s.size);
+  for (std::size_t i = 0; i < s.segment_count(); ++i)
+    if (shared.of_segment[i] >= 0 && shared.flipped[i] == 0) put(shared.of_segment[i], s.offsets[i] - s.segment(i).offset * s.size);
+  return out;
+}
+
+void apply(Subject& s, const Shared& shared, const std::vector<double>& step) {
+  const auto get = [&](int at) {
+    const double* d = step.data() + at;
+    return Vec3{d[0], d[1], d[2]};
+  };
+  for (std::size_t m = 0; m < s.places.size(); ++m) s.places[m] += get(3 * static_cast<int>(m));
+  for (std::size_t i = 0; i < s.segment_count(); ++i)
+    if (shared.of_segment[i] >= 0) s.offsets[i] += flip(get(shared.of_segment[i]), shared.flipped[i]);
+}
+
+/// The three rows of used marker m by the shared unknowns: blocks of three columns with a matrix each.
+struct Block {
+  int column;
+  Mat3 J;
+};
+void shared_blocks(const Subject& s, const Shared& shared, const Kinematics& k, std::size_t m, std::vector<Block>& out) {
+  out.clear();
+  int i = s.marker(m).segment;
+  out.push_back({3 * static_cast<int>(m), k.R[static_cast<std::size_t>(i)]});
+  for (; i >= 0; i = s.segment(static_cast<std::size_t>(i)).parent) {
+    const auto j = static_cast<std::size_t>(i);
+    if (shared.of_segment[j] < 0) continue;
+    Mat3 J = k.R[static_cast<std::size_t>(s.segment(j).parent)];
+    if (shared.flipped[j] != 0) J = J * Mat3::diagonal(1, -1, 1);
+    out.push_back({shared.of_segment[j], J});
+  }
+}
+
+/// Adds one frame's part of the reduced normal equations: S += C - B^T H^-1 B, r += c - B^T H^-1 g.
+class Reduction {
+ public:
+  explicit Reduction(const Shared& shared) : shared_(shared), n_(static_cast<std::size_t>(shared.count)), S(n_ * n_), r(n_) {}
+
+  void add(const Subject& s, const PoseSolver& solver, const MeasuredFrame& frame, const PoseOptions& options) {
+    const auto nf = static_cast<std::size_t>(s.freedoms);
+    B_.assign(nf * n_, 0);
+    for (std::size_t m = 0; m < frame.places.size(); ++m) {
+      if (frame.seen[m] == 0) continue;
+      const Vec3 error = marker_place(s, solver.kinematics(), m) - frame.places[m];
+      const double weight = marker_weight(options, s.marker(m).noise, norm(error));
+      shared_blocks(s, shared_, solver.kinematics(), m, blocks_);
+      for (const Block& a : blocks_) {
+        const Vec3 g = a.J.transposed() * error;
+        for (int c = 0; c < 3; ++c) r[static_cast<std::size_t>(a.column + c)] += weight * g[c];
+        for (const Block& b : blocks_) {
+          const Mat3 C = a.J.transposed() * b.J;
+          for (int c = 0; c < 3; ++c)
+            for (int d = 0; d < 3; ++d)
+              S[static_cast<std::size_t>(a.column + c) * n_ + static_cast<std::size_t>(b.column + d)] += weight * C.column(d)[c];
+        }
+      }
+      for (std::size_t f = 0; f < nf; ++f) {
+        const Vec3 column = solver.jacobian(s, m, f);
+        if (column == Vec3{}) continue;
+        for (const Block& b : blocks_) {
+          const Vec3 v = b.J.transposed() * column;
+          for (int c = 0; c < 3; ++c) B_[f * n_ + static_cast<std::size_t>(b.column + c)] += weight * v[c];
+        }
+      }
+    }
+    eliminate(solver, nf, s.freedoms);
+  }
+
+  /// The step of the shared unknowns; the poses are at their optimum, so that their own gradient is zero.
+  std::vector<double> solve(const std::vector<double>& departure) {
+    std::vector<double> step(n_);
+    for (std::size_t i = 0; i < n_; ++i) {
+      S[i * n_ + i] += shared_.prior[i] + 1e-9;
+      step[i] = -(r[i] + shared_.prior[i] * departure[i]);
+    }
+    if (!dynamics::factor_cholesky(S, shared_.count, 1e-14)) return {};
+    dynamics::solve_cholesky(S, shared_.count, step);
+    return step;
+  }
+
+ private:
+  void eliminate(const PoseSolver& solver, std::size_t nf, int freedoms) {
+    L_.assign(solver.normal_matrix().begin(), solver.normal_matrix().end());
+    for (std::size_t f = 0; f < nf; ++f) L_[f * nf + f] += 1e-6 * (1 + L_[f * nf + f]);
+    if (!dynamics::factor_cholesky(L_, freedoms, 1e-14)) return;
+    // Y = L^-1 B, row by row; then S -= Y^T Y.
+    for (std::size_t f = 0; f < nf; ++f) {
+      for (std::size_t g = 0; g < f; ++g) {
+        const double l = L_[f * nf + g];
+        if (l == 0) continue;
+        for (std::size_t c = 0; c < n_; ++c) B_[f * n_ + c] -= l * B_[g * n_ + c];
+      }
+      const double d = 1 / L_[f * nf + f];
+      for (std::size_t c = 0; c < n_; ++c) B_[f * n_ + c] *= d;
+    }
+    for (std::size_t f = 0; f < nf; ++f) {
+      const double* y = B_.data() + f * n_;
+      for (std::size_t a = 0; a < n_; ++a) {
+        if (y[a] == 0) continue;
+        for (std::size_t b = 0; b <= a; ++b) S[a * n_ + b] -= y[a] * y[b];
+      }
+    }
+  }
+
+  const Shared& shared_;
+  std::size_t n_;
+  std::vector<double> S, r, B_, L_;
+  std::vector<Block> blocks_;
+};
+
+double marker_rms(const Subject& subject, const std::vector<MeasuredFrame>& frames, const std::vector<ModelPose>& poses) {
+  double squares = 0;
+  int count = 0;
+  Kinematics k;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    calc_kinematics(subject, poses[f], k);
+    for (std::size_t m = 0; m < frames[f].places.size(); ++m) {
+      if (frames[f].seen[m] == 0) continue;
+      const Vec3 error = marker_place(subject, k, m) - frames[f].places[m];
+      squares += dot(error, error);
+      ++count;
+    }
+  }
+  return std::sqrt(squares / std::max(1, count));
+}
+
+}  // namespace
+
+double estimate_size(const MarkerSet& set, const std::vector<int>& match, const MarkerMotion& motion) {
+  // Places of the markers with the model at rest.
+  std::vector<int> identity(set.markers.size());
+  for (std::size_t i = 0; i < identity.size(); ++i) identity[i] = static_cast<int>(i);
+  const Subject model = make_subject(set, identity, 1);
+  Kinematics k;
+  calc_kinematics(model, model.rest(), k);
+  std::vector<double> ratios;
+  const int stride = std::max(1, motion.frames / 50);
+  for (std::size_t a = 0; a < match.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      if (match[a] < 0 || match[b] < 0) continue;
+      const auto ma = static_cast<std::size_t>(match[a]), mb = static_cast<std::size_t>(match[b]);
+      if (!neighbours(set, set.markers[ma].segment, set.markers[mb].segment)) continue;
+      const double own = norm(marker_place(model, k, ma) - marker_place(model, k, mb));
+      double sum = 0;
+      int count = 0;
+      for (int f = 0; f < motion.frames; f += stride) {
+        if (!motion.seen(f, static_cast<int>(a)) || !motion.seen(f, static_cast<int>(b))) continue;
+        sum += norm(motion.at(f, static_cast<int>(a)) - motion.at(f, static_cast<int>(b)));
+        ++count;
+      }
+      // Short distances say little.
+      if (count > 0 && own > 0.02) ratios.push_back(sum / count / own);
+    }
+  }
+  if (ratios.empty()) return 0;
+  const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+  std::nth_element(ratios.begin(), middle, ratios.end());
+  return *middle;
+}
+
+std::vector<int> choose_frames(const MarkerMotion& motion, const Subject& subject, int count) {
+  std::vector<int> out;
+  const int parts = std::min(count, motion.frames);
+  for (int part = 0; part < parts; ++part) {
+    const auto edge = [&](int i) { return static_cast<int>(static_cast<long>(motion.frames) * i / parts); };
+    int best = -1, most = -1;
+    for (int f = edge(part); f < edge(part + 1); ++f) {
+      int seen = 0;
+      for (const int column : subject.columns) seen += motion.seen(f, column) ? 1 : 0;
+      if (seen > most) {
+        most = seen;
+        best = f;
+      }
+    }
+    if (2 * most > static_cast<int>(subject.columns.size())) out.push_back(best);
+  }
+  return out;
+}
+
+double find_first_pose(PoseSolver& solver, const Subject& subject, const MeasuredFrame& frame, ModelPose& pose) {
+  constexpr double pi = 3.14159265358979323846;
+  Vec3 middle;
+  for (std::size_t m = 0; m < frame.places.size(); ++m)
+    if (frame.seen[m] != 0) middle += frame.places[m];
+  middle = middle / std::max(1, frame.count);
+  double least = -1;
+  for (int heading = 0; heading < 8; ++heading) {
+    for (const double arms : {0.0, 1.3}) {
+      ModelPose start = subject.rest();
+      start.rotations[0] = axis_angle({0, 0, 1}, heading * pi / 4);
+      for (std::size_t i = 0; i < subject.segment_count(); ++i) {
+        const ModelSegment& s = subject.segment(i);
+        // Limbs that stick out to the side, let down.
+        if (s.joint == ModelJoint::ball && s.mirror >= 0 && i + 1 < subject.segment_count() && std::fabs(s.offset.y) > 0.1)
+          start.rotations[i] = axis_angle({1, 0, 0}, s.offset.y > 0 ? -arms : arms);
+      }
+      start.p = middle;
+      // First the whole, then the parts: markers that are far off shall pull with all their force.
+      PoseOptions options;
+      options.marker_sigma = 0.1 * subject.size;
+      options.outlier = 1e3;
+      solver.solve(subject, frame, options, start);
+      options = {};
+      options.outlier = 1e3;
+      const double cost = solver.solve(subject, frame, options, start);
+      if (least >= 0 && cost >= least) continue;
+      least = cost;
+      pose = start;
+    }
+  }
+  return least;
+}
+
+double calibrate(Subject& subject, const std::vector<MeasuredFrame>& frames, std::vector<ModelPose>& poses) {
+  const Shared shared = shared_unknowns(subject);
+  const PoseOptions options;
+  PoseSolver solver;
+  /// Solves all poses. @return their cost with that of the shared unknowns
+  const auto solve_poses = [&](Subject& s, std::vector<ModelPose>& p, Reduction* reduction) {
+    double cost = 0;
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      cost += solver.solve(s, frames[f], options, p[f]);
+      if (reduction != nullptr) reduction->add(s, solver, frames[f], options);
+    }
+    const std::vector<double> departure = departures(s, shared);
+    for (std::size_t i = 0; i < departure.size(); ++i) cost += 0.5 * shared.prior[i] * departure[i] * departure[i];
+    return cost;
+  };
+  for (int round = 0; round < 25; ++round) {
+    Reduction reduction(shared);
+    const double cost = solve_poses(subject, poses, &reduction);
+    std::vector<double> step = reduction.solve(departures(subject, shared));
+    if (step.empty()) break;
+    double then = cost;
+    for (int attempt = 0; attempt < 8; ++attempt) {
+      Subject trial = subject;
+      std::vector<ModelPose> trial_poses = poses;
+      apply(trial, shared, step);
+      then = solve_poses(trial, trial_poses, nullptr);
+      if (then < cost) {
+        subject = std::move(trial);
+        poses = std::move(trial_poses);
+        break;
+      }
+      for (double& x : step) x *= 0.3;
+    }
+    if (!(then < cost * (1 - 1e-4))) break;
+  }
+  return marker_rms(subject, frames, poses);
+}
+
+}  // namespace ugoki::capture

@@ -1,0 +1,258 @@
+#include "ugoki/capture/capture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/capture/calibrate.h"
+#include "ugoki/motion/marker_repair.h"
+
+namespace ugoki::capture {
+namespace {
+
+std::string millimetres(double metres) { return to_fixed(1000 * metres, 1) + " mm"; }
+
+/// The set that knows most of the labels; its matches. Null where none knows enough to hold a body.
+struct Choice {
+  const MarkerSet* set = nullptr;
+  std::vector<int> match;
+  int known = 0;
+};
+Choice choose_set(const std::vector<std::string>& labels) {
+  Choice best;
+  for (const MarkerSet* set : {&human_markers(), &quadruped_key_points()}) {
+    Choice c{set, match_labels(*set, labels), 0};
+    for (const int i : c.match) c.known += i >= 0 ? 1 : 0;
+    if (c.known > best.known) best = std::move(c);
+  }
+  return best;
+}
+
+/// Segments with markers below which the pose of the whole cannot be found.
+int marked_segments(const Choice& choice) {
+  std::vector<char> marked(choice.set->segments.size());
+  for (const int i : choice.match)
+    if (i >= 0) marked[static_cast<std::size_t>(choice.set->markers[static_cast<std::size_t>(i)].segment)] = 1;
+  return static_cast<int>(std::count(marked.begin(), marked.end(), 1));
+}
+
+std::string missing_labels(const Choice& choice) {
+  std::string out;
+  for (std::size_t k = 0; k < choice.set->markers.size(); ++k) {
+    if (std::find(choice.match.begin(), choice.match.end(), static_cast<int>(k)) != choice.match.end()) continue;
+    out += (out.empty() ? "" : ", ") + choice.set->markers[k].labels[0];
+  }
+  return out;
+}
+
+/// Axes of hinges as the skeleton tells them; balls turn about three.
+std::vector<MeasuredFreedom> freedoms_of(const ModelSegment& s) {
+  switch (s.joint) {
+    case ModelJoint::hinge: return {{s.axis, true, s.lower, s.upper}};
+    case ModelJoint::universal: return {{s.axis, true, s.lower, s.upper}, {s.second_axis, true, s.lower2, s.upper2}};
+    case ModelJoint::fixed: return {};
+    case ModelJoint::root:
+    case ModelJoint::ball: break;
+  }
+  return {{{0, 0, 1}}, {{0, 1, 0}}, {{1, 0, 0}}};
+}
+
+Skeleton skeleton_of(const Subject& subject, const std::string& name, double unit) {
+  Skeleton out;
+  out.name = name;
+  out.unit = unit;
+  for (std::size_t i = 0; i < subject.segment_count(); ++i) {
+    const ModelSegment& s = subject.segment(i);
+    SkeletonJoint j;
+    j.name = s.name;
+    j.parent = s.parent;
+    j.offset = subject.offsets[i];
+    for (const Vec3& e : s.end_sites) j.end_sites.push_back(e * subject.size);
+    j.freedoms = freedoms_of(s);
+    j.translates = s.parent < 0;
+    out.joints.push_back(std::move(j));
+  }
+  return out;
+}
+
+/// Runs through the recording and gathers what people want to know.
+class Solver {
+ public:
+  Solver(const MarkerMotion& recorded, const MarkerMotion& clean, Subject subject, Capture& out)
+      : recorded_(recorded), clean_(clean), subject_(std::move(subject)), out_(out) {}
+
+  void run(const ModelPose& first, int from) {
+    out_.measured.frames = clean_.frames;
+    const std::size_t n = subject_.segment_count();
+    out_.measured.translations.resize(static_cast<std::size_t>(clean_.frames) * n);
+    out_.measured.rotations.resize(static_cast<std::size_t>(clean_.frames) * n);
+    out_.frame_rms.resize(static_cast<std::size_t>(clean_.frames));
+    for (std::size_t m = 0; m < subject_.columns.size(); ++m) {
+      MarkerResidual r;
+      r.label = clean_.labels[static_cast<std::size_t>(subject_.columns[m])];
+      r.segment = subject_.segment(static_cast<std::size_t>(subject_.marker(m).segment)).name;
+      out_.residuals.push_back(std::move(r));
+    }
+    squares_.assign(subject_.columns.size(), 0);
+    seen_.assign(subject_.columns.size(), 0);
+    ModelPose pose = first;
+    for (int f = from; f < clean_.frames; ++f) solve(f, f > from, pose);
+    pose = first;
+    for (int f = from - 1; f >= 0; --f) solve(f, true, pose);
+    finish();
+  }
+
+ private:
+  void solve(int frame, bool has_near, ModelPose& pose) {
+    const MeasuredFrame measured = measured_frame(clean_, subject_, frame);
+    PoseOptions options;
+    const ModelPose near = pose;
+    if (has_near) {
+      options.near = &near;
+      // A weak hold: it decides only where no marker tells.
+      options.step_sigma = 30 / clean_.rate;
+    }
+    solver_.solve(subject_, measured, options, pose);
+    const std::size_t n = subject_.segment_count(), at = static_cast<std::size_t>(frame) * n;
+    for (std::size_t i = 0; i < n; ++i) {
+      out_.measured.translations[at + i] = subject_.segment(i).parent < 0 ? pose.p : subject_.offsets[i];
+      out_.measured.rotations[at + i] = joint_rotation(subject_, pose, i);
+    }
+    double sum = 0;
+    int count = 0;
+    for (std::size_t m = 0; m < subject_.columns.size(); ++m) {
+      if (!recorded_.seen(frame, subject_.columns[m])) continue;
+      const double error = norm(marker_place(subject_, solver_.kinematics(), m) - recorded_.at(frame, subject_.columns[m]));
+      sum += error * error;
+      ++count;
+      squares_[m] += error * error;
+      ++seen_[m];
+      if (error <= out_.residuals[m].greatest) continue;
+      out_.residuals[m].greatest = error;
+      out_.residuals[m].worst_frame = frame;
+    }
+    out_.frame_rms[static_cast<std::size_t>(frame)] = count > 0 ? std::sqrt(sum / count) : 0;
+  }
+
+  void finish() {
+    double squares = 0;
+    long seen = 0;
+    for (std::size_t m = 0; m < squares_.size(); ++m) {
+      MarkerResidual& r = out_.residuals[m];
+      r.rms = seen_[m] > 0 ? std::sqrt(squares_[m] / static_cast<double>(seen_[m])) : 0;
+      r.seen = static_cast<double>(seen_[m]) / recorded_.frames;
+      squares += squares_[m];
+      seen += seen_[m];
+    }
+    out_.rms = seen > 0 ? std::sqrt(squares / static_cast<double>(seen)) : 0;
+    out_.measured.skeleton = skeleton_of(subject_, recorded_.name, recorded_.unit);
+  }
+
+  const MarkerMotion& recorded_;
+  const MarkerMotion& clean_;
+  Subject subject_;
+  Capture& out_;
+  PoseSolver solver_;
+  std::vector<double> squares_;
+  std::vector<long> seen_;
+};
+
+/// True if all markers of the recording lie in one plane, to 1 mm: a projection, from which no body in space can be found.
+bool is_planar(const MarkerMotion& m) {
+  Vec3 middle;
+  double count = 0;
+  for (std::size_t i = 0; i < m.positions.size(); ++i) {
+    if (m.residuals[i] < 0) continue;
+    middle += m.positions[i];
+    count += 1;
+  }
+  middle = middle / std::max(1.0, count);
+  // The normal of a plane through most of them: from the two farthest of directions that are far from parallel.
+  Vec3 a, normal;
+  for (std::size_t i = 0; i < m.positions.size(); ++i)
+    if (m.residuals[i] >= 0 && norm(m.positions[i] - middle) > norm(a)) a = m.positions[i] - middle;
+  for (std::size_t i = 0; i < m.positions.size(); ++i) {
+    if (m.residuals[i] < 0) continue;
+    const Vec3 n = cross(a, m.positions[i] - middle);
+    if (norm(n) > norm(normal)) normal = n;
+  }
+  normal = normalized(normal);
+  for (std::size_t i = 0; i < m.positions.size(); ++i)
+    if (m.residuals[i] >= 0 && std::fabs(dot(normal, m.positions[i] - middle)) > 1e-3) return false;
+  return true;
+}
+
+/// What was done to the markers, as sentences.
+MarkerMotion clean(const MarkerMotion& motion, const CaptureOptions& options, std::vector<std::string>& report) {
+  MarkerMotion out = motion;
+  if (const int spikes = remove_spikes(out); spikes > 0) report.push_back(std::to_string(spikes) + " spikes are taken out.");
+  const int filled = fill_short_gaps(out, options.longest_gap), carried = fill_gaps_by_neighbours(out);
+  if (filled > 0) report.push_back(std::to_string(filled) + " places in short gaps are filled by splines.");
+  if (carried > 0) report.push_back(std::to_string(carried) + " places in long gaps are filled from markers on the same segment.");
+  const double cutoff = options.cutoff == 0 ? choose_cutoff(out) : options.cutoff;
+  if (cutoff > 0 && cutoff < out.rate / 3) {
+    filter_markers(out, cutoff);
+    report.push_back("Markers are filtered at " + to_fixed(cutoff, 1) + " Hz" +
+                     (options.cutoff == 0 ? ", chosen by residual analysis." : "."));
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& options) {
+  const Choice choice = choose_set(motion.labels);
+  if (choice.set == nullptr || choice.known < 8 || marked_segments(choice) < 4)
+    return fail(
+        ErrorCode::unsupported, motion.source,
+        std::to_string(choice.known) + " of " + std::to_string(motion.labels.size()) +
+            " markers have a label of a known marker set; that is too few to find a body.",
+        "Name the markers as Plug-in Gait does (LASI, RASI, LKNE ...) or, for animals, by their joints (ShoulderL, KneeR ...)." +
+            (choice.set != nullptr ? " Missing of the set '" + choice.set->name + "': " + missing_labels(choice) + "." : std::string()));
+  if (is_planar(motion))
+    return fail(ErrorCode::unsupported, motion.source, "all markers lie in one plane, so that no body in space can be found.",
+                "Use the recording from which the plane was projected.");
+  Capture out;
+  out.marker_set = choice.set->name;
+  out.measured.name = motion.name;
+  out.measured.source = motion.source;
+  out.measured.rate = motion.rate;
+  for (std::size_t i = 0; i < choice.match.size(); ++i)
+    if (choice.match[i] < 0) out.unused.push_back(motion.labels[i]);
+  const MarkerMotion markers = clean(motion, options, out.report);
+  const double size = estimate_size(*choice.set, choice.match, markers);
+  if (!(size > 1e-3 && size < 1e3))
+    return fail(ErrorCode::structure, motion.source, "the markers are never seen together, so the subject's size cannot be found.",
+                "Check that the recording holds one subject and that its markers are labelled.");
+  out.size = size;
+  Subject subject = make_subject(*choice.set, choice.match, size);
+  const std::vector<int> chosen = choose_frames(markers, subject, options.calibration_frames);
+  if (chosen.empty())
+    return fail(ErrorCode::structure, motion.source, "in no frame more than half of the markers are seen.",
+                "Label the markers, or cut the recording to where they are seen.");
+  std::vector<MeasuredFrame> frames;
+  for (const int f : chosen) frames.push_back(measured_frame(markers, subject, f));
+  PoseSolver solver;
+  std::vector<ModelPose> poses(frames.size());
+  find_first_pose(solver, subject, frames[0], poses[0]);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    poses[i] = poses[i - 1];
+    PoseOptions options_far;
+    options_far.outlier = 1e3;
+    solver.solve(subject, frames[i], options_far, poses[i]);
+  }
+  calibrate(subject, frames, poses);
+  Solver(motion, markers, std::move(subject), out).run(poses[0], chosen[0]);
+  out.report.insert(out.report.begin(), "The markers are read as those of the set '" + out.marker_set + "', on a body " +
+                                            to_fixed(size, 3) + " times its size; they are met within " + millimetres(out.rms) + " rms.");
+  if (out.rms > 0.04 * size)
+    out.report.push_back("That is a poor fit: check that the labels are right and that left and right are not exchanged.");
+  if (!out.unused.empty()) {
+      std::string names;
+      for (const std::string& label : out.unused) names += (names.empty() ? "" : ", ") + label;
+      out.report.push_back("Not used, because the set does not know them: " + names + ".");
+  }
+  return out;
+}
+
+}  // namespace ugoki::capture

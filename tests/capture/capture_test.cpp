@@ -1,0 +1,278 @@
+// Markers on a walking figure whose every joint is known, and recordings that were solved by others.
+#include "ugoki/capture/capture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "ugoki/capture/model.h"
+#include "ugoki/formats/asf.h"
+#include "ugoki/formats/c3d.h"
+#include "ugoki/formats/trc.h"
+
+namespace ugoki::capture {
+namespace {
+
+/// A figure of another build than the model, which swings its limbs; and its markers, put a little beside where they belong.
+struct Known {
+  MeasuredMotion truth;
+  MarkerMotion markers;
+};
+
+Known make_known(const MarkerSet& set, double size, unsigned seed, double placement_error) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> within(-1, 1);
+  Known k;
+  MeasuredMotion& t = k.truth;
+  t.rate = 100;
+  t.frames = 200;
+  for (const ModelSegment& s : set.segments) {
+    SkeletonJoint j;
+    j.name = s.name;
+    j.parent = s.parent;
+    const double longer = s.mirror >= 0 ? 1.04 : 0.97;
+    j.offset = s.offset * (size * longer);
+    t.skeleton.joints.push_back(j);
+  }
+  const std::size_t n = set.segments.size();
+  std::vector<double> phase, swing;
+  for (std::size_t i = 0; i < n; ++i) {
+    phase.push_back(3 * within(random));
+    swing.push_back(0.25 + 0.1 * within(random));
+  }
+  for (int f = 0; f < t.frames; ++f) {
+    const double w = 6.2831853 * f / 100;
+    for (std::size_t i = 0; i < n; ++i) {
+      const ModelSegment& s = set.segments[i];
+      const double a = swing[i] * std::sin(w + phase[i]), b = swing[i] * std::sin(2 * w + phase[i]);
+      Quat q;
+      if (s.joint == ModelJoint::root) q = axis_angle({0, 0, 1}, 0.7 + 0.2 * a) * exp_map({0.2 * a, 0.2 * b, 0});
+      if (s.joint == ModelJoint::ball)
+        q = exp_map({a * s.stiffness_sigma, b * std::min(1.0, s.stiffness_sigma), 0.3 * a * s.stiffness_sigma});
+      if (s.joint == ModelJoint::hinge) q = axis_angle(s.axis, 0.5 + a);
+      if (s.joint == ModelJoint::universal) q = axis_angle(s.axis, 0.5 + a) * axis_angle(s.second_axis, 0.5 * b);
+      t.rotations.push_back(q);
+      t.translations.push_back(s.parent < 0 ? Vec3{0.01 * f, 0.3, 0.95 * size + 0.02 * a} : t.skeleton.joints[i].offset);
+    }
+  }
+  MarkerMotion& m = k.markers;
+  m.name = "known";
+  m.source = "known";
+  m.rate = t.rate;
+  m.frames = t.frames;
+  std::vector<Vec3> places;
+  for (const ModelMarker& marker : set.markers) {
+    m.labels.push_back(marker.labels[0]);
+    const Vec3 beside{within(random), within(random), within(random)};
+    places.push_back(marker.at * size + beside * (placement_error * std::min(1.0, marker.sigma / 0.01)));
+  }
+  std::vector<Pose> X;
+  for (int f = 0; f < m.frames; ++f) {
+    t.calc_joint_poses(f, X);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      m.positions.push_back(X[static_cast<std::size_t>(set.markers[i].segment)] * places[i]);
+      m.residuals.push_back(0);
+    }
+  }
+  return k;
+}
+
+int joint_of(const MeasuredMotion& m, const std::string& name) {
+  for (int i = 0; i < m.joint_count(); ++i)
+    if (m.skeleton.joints[static_cast<std::size_t>(i)].name == name) return i;
+  ADD_FAILURE() << "no joint " << name;
+  return 0;
+}
+
+Vec3 position(const MeasuredMotion& m, int frame, const std::string& joint) {
+  std::vector<Pose> X;
+  m.calc_joint_poses(frame, X);
+  return X[static_cast<std::size_t>(joint_of(m, joint))].p;
+}
+
+/// Root mean square [m] of the distance between the same joints of two motions.
+double rms_distance(const MeasuredMotion& a, const MeasuredMotion& b, const std::vector<std::pair<std::string, std::string>>& joints) {
+  double sum = 0;
+  std::vector<Pose> X, Y;
+  for (int f = 0; f < b.frames; ++f) {
+    a.calc_joint_poses(f, X);
+    b.calc_joint_poses(f, Y);
+    for (const auto& [in_a, in_b] : joints) {
+      const Vec3 d = X[static_cast<std::size_t>(joint_of(a, in_a))].p - Y[static_cast<std::size_t>(joint_of(b, in_b))].p;
+      sum += dot(d, d);
+    }
+  }
+  return std::sqrt(sum / (static_cast<double>(joints.size()) * b.frames));
+}
+
+/// Angle [degrees] between the segments a b and b c.
+double flexion(const MeasuredMotion& m, int frame, const std::string& a, const std::string& b, const std::string& c) {
+  const Vec3 u = position(m, frame, b) - position(m, frame, a), v = position(m, frame, c) - position(m, frame, b);
+  return std::atan2(norm(cross(u, v)), dot(u, v)) * 57.29577951308232;
+}
+
+TEST(Capture, AKnownFigureIsFoundAgain) {
+  const Known k = make_known(human_markers(), 0.9, 5, 0);
+  const auto c = solve_markers(k.markers, {.cutoff = -1});
+  ASSERT_TRUE(c.has_value()) << c.error().text();
+  EXPECT_LT(c->rms, 0.003);
+  std::vector<std::pair<std::string, std::string>> joints;
+  for (const char* name : {"LeftUpLeg", "RightLeg", "LeftFoot", "RightFoot", "LeftArm", "RightForeArm", "LeftHand", "Head"})
+    joints.emplace_back(name, name);
+  EXPECT_LT(rms_distance(c->measured, k.truth, joints), 0.015);
+  EXPECT_TRUE(c->unused.empty());
+}
+
+TEST(Capture, MarkersBesideTheirPlaceCostLittle) {
+  for (const unsigned seed : {1U, 2U}) {
+    SCOPED_TRACE(seed);
+    const Known k = make_known(human_markers(), 1.05, seed, 0.006);
+    const auto c = solve_markers(k.markers);
+    ASSERT_TRUE(c.has_value()) << c.error().text();
+    EXPECT_LT(c->rms, 0.006);
+    double worst = 0;
+    for (int f = 0; f < k.truth.frames; f += 7)
+      worst = std::max(worst, std::fabs(flexion(c->measured, f, "LeftUpLeg", "LeftLeg", "LeftFoot") -
+                                        flexion(k.truth, f, "LeftUpLeg", "LeftLeg", "LeftFoot")));
+    EXPECT_LT(worst, 6);
+  }
+}
+
+TEST(Capture, AnAnimalIsFoundToo) {
+  const Known k = make_known(quadruped_key_points(), 3, 9, 0.001);
+  const auto c = solve_markers(k.markers, {.cutoff = -1});
+  ASSERT_TRUE(c.has_value()) << c.error().text();
+  EXPECT_LT(c->rms, 0.01);
+  EXPECT_NEAR(c->size, 3, 0.3);
+}
+
+TEST(Capture, ResidualsNameMarkerAndFrame) {
+  Known k = make_known(human_markers(), 1, 3, 0);
+  const int knee = k.markers.find("LKNE");
+  k.markers.positions[k.markers.index(120, knee)] += Vec3{0, 0.015, 0};  // below what counts as a spike
+  const auto c = solve_markers(k.markers, {.cutoff = -1});
+  ASSERT_TRUE(c.has_value());
+  for (const MarkerResidual& r : c->residuals)
+    if (r.label == "LKNE") EXPECT_EQ(r.worst_frame, 120);
+  EXPECT_EQ(c->frame_rms.size(), 200U);
+  EXPECT_GT(c->frame_rms[120], c->frame_rms[119]);
+}
+
+TEST(Capture, TheSameBitsEachTime) {
+  const Known k = make_known(human_markers(), 1, 3, 0.004);
+  const auto a = solve_markers(k.markers), b = solve_markers(k.markers);
+  ASSERT_TRUE(a.has_value() && b.has_value());
+  EXPECT_EQ(a->measured.rotations, b->measured.rotations);
+  EXPECT_EQ(a->measured.translations, b->measured.translations);
+}
+
+TEST(Capture, WhatCannotBeSolvedIsRefusedWithAReason) {
+  Known k = make_known(human_markers(), 1, 3, 0);
+  MarkerMotion unknown = k.markers;
+  for (std::string& label : unknown.labels) label = "X" + label;
+  const auto no_labels = solve_markers(unknown);
+  ASSERT_FALSE(no_labels.has_value());
+  EXPECT_NE(no_labels.error().text().find("Plug-in Gait"), std::string::npos);
+
+  MarkerMotion flat = k.markers;
+  for (Vec3& x : flat.positions) x.y = 0;
+  const auto planar = solve_markers(flat);
+  ASSERT_FALSE(planar.has_value());
+  EXPECT_NE(planar.error().text().find("plane"), std::string::npos);
+
+  MarkerMotion unseen = k.markers;
+  for (float& r : unseen.residuals) r = -1;
+  EXPECT_FALSE(solve_markers(unseen).has_value());
+  EXPECT_FALSE(solve_markers(MarkerMotion{}).has_value());
+}
+
+std::string slurp(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+const std::string shared_data = std::string(UGOKI_SOURCE_DIR) + "/../shared/data/";
+
+/// Hides a fifth of all samples, and half a second of five markers.
+void damage(MarkerMotion& m, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto share = [&] { return static_cast<double>(random() % 10000) / 10000; };
+  const auto hide = [&](int f, int i) {
+    m.positions[m.index(f, i)] = {};
+    m.residuals[m.index(f, i)] = -1;
+  };
+  for (int f = 0; f < m.frames; ++f)
+    for (int i = 0; i < m.marker_count(); ++i)
+      if (share() < 0.2) hide(f, i);
+  for (int gap = 0; gap < 5; ++gap) {
+    const int i = static_cast<int>(share() * m.marker_count()), first = static_cast<int>(share() * (m.frames - 60));
+    for (int f = first; f < first + 60; ++f) hide(f, i);
+  }
+}
+
+/// Knees and elbows of a recording against the same trial as others solved it, in degrees rms.
+std::vector<double> flexion_errors(const MeasuredMotion& ours, const MeasuredMotion& amc) {
+  std::vector<double> out;
+  for (const auto& [a, b, c, x, y, z] :
+       std::vector<std::array<const char*, 6>>{{"LeftUpLeg", "LeftLeg", "LeftFoot", "lfemur", "ltibia", "lfoot"},
+                                               {"RightUpLeg", "RightLeg", "RightFoot", "rfemur", "rtibia", "rfoot"},
+                                               {"LeftArm", "LeftForeArm", "LeftHand", "lhumerus", "lradius", "lhand"},
+                                               {"RightArm", "RightForeArm", "RightHand", "rhumerus", "rradius", "rhand"}}) {
+    double sum = 0;
+    int count = 0;
+    for (int f = 0; f < amc.frames; f += 3) {
+      const double d = flexion(ours, f, a, b, c) - flexion(amc, f, x, y, z);
+      sum += d * d;
+      ++count;
+    }
+    out.push_back(std::sqrt(sum / count));
+  }
+  return out;
+}
+
+TEST(Capture, MeasuredWalkAgreesWithTheDatabasesOwnSolution) {
+  const std::string bytes = slurp(shared_data + "human/c3d/02_01.c3d");
+  if (bytes.empty()) GTEST_SKIP() << "no " << shared_data;
+  const auto markers = formats::read_c3d(std::as_bytes(std::span(bytes)), "02_01.c3d");
+  const auto asf = formats::read_asf(slurp(shared_data + "human/asf_amc/02.asf"), "02.asf");
+  ASSERT_TRUE(markers.has_value() && asf.has_value());
+  const auto amc = formats::read_amc(slurp(shared_data + "human/asf_amc/02_01.amc"), "02_01.amc", *asf);
+  ASSERT_TRUE(amc.has_value());
+  const auto c = solve_markers(*markers);
+  ASSERT_TRUE(c.has_value()) << c.error().text();
+  EXPECT_LT(c->rms, 0.015);
+  const std::vector<std::pair<std::string, std::string>> joints = {
+      {"LeftUpLeg", "lfemur"},    {"RightUpLeg", "rfemur"},    {"LeftLeg", "ltibia"},   {"RightLeg", "rtibia"},
+      {"LeftFoot", "lfoot"},      {"RightFoot", "rfoot"},      {"LeftArm", "lhumerus"}, {"RightArm", "rhumerus"},
+      {"LeftForeArm", "lradius"}, {"RightForeArm", "rradius"}, {"LeftHand", "lhand"},   {"RightHand", "rhand"}};
+  EXPECT_LT(rms_distance(c->measured, *amc, joints), 0.04);
+  const std::vector<double> errors = flexion_errors(c->measured, *amc);
+  for (const double e : errors) EXPECT_LT(e, 6);
+  for (const unsigned seed : {1U, 2U}) {
+    SCOPED_TRACE(seed);
+    MarkerMotion damaged = *markers;
+    damage(damaged, seed);
+    const auto d = solve_markers(damaged);
+    ASSERT_TRUE(d.has_value()) << d.error().text();
+    const std::vector<double> worse = flexion_errors(d->measured, *amc);
+    for (std::size_t i = 0; i < errors.size(); ++i) EXPECT_LT(worse[i], errors[i] + 1);
+  }
+}
+
+TEST(Capture, MeasuredRatBecomesAMovingBody) {
+  const std::string text = slurp(shared_data + "animal/rat_walk_23.trc");
+  if (text.empty()) GTEST_SKIP() << "no " << shared_data;
+  const auto markers = formats::read_trc(text, "rat_walk_23.trc");
+  ASSERT_TRUE(markers.has_value());
+  const auto c = solve_markers(*markers);
+  ASSERT_TRUE(c.has_value()) << c.error().text();
+  EXPECT_LT(c->rms, 0.006);
+  EXPECT_EQ(c->measured.frames, 1000);
+  EXPECT_TRUE(c->unused.empty());
+}
+
+}  // namespace
+}  // namespace ugoki::capture
