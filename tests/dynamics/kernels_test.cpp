@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "allocation_count.h"
 #include "ugoki/dynamics/batch.h"
@@ -28,11 +29,15 @@ void expect_near(std::span<const double> a, std::span<const double> b, double re
 }
 
 TEST(Kernels, AgreeWithTheUnitVectorMethod) {
-  for (unsigned seed = 1; seed <= 200; ++seed) {
+  std::size_t pairs = 0;
+  for (unsigned seed = 1; seed <= 400; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomSource random(seed);
-    const MechanismPtr m = Mechanism::make(testing::varied_spec(random, 1 + random.below(25), seed % 2 == 0)).value();
+    const MechanismPtr m = Mechanism::make(seed <= 200 ? testing::varied_spec(random, 1 + random.below(25), seed % 2 == 0)
+                                                       : testing::twins_spec(random, seed % 2 == 0))
+                               .value();
     Workspace ws(*m);
+    pairs += ws.twins.pairs.size();
     State s(*m);
     testing::randomize(random, *m, s);
     const std::span<const Vec6> external = seed % 3 == 0 ? std::span<const Vec6>() : s.external;
@@ -52,6 +57,58 @@ TEST(Kernels, AgreeWithTheUnitVectorMethod) {
     calc_inertia_rows(*m, ws, s.q);
     copy_inertia_rows(ws, M);
     expect_near(M, reference, 1e-12, "inertia matrix, entry");
+  }
+  EXPECT_GT(pairs, 300U);
+}
+
+// Legs and arms in lanes: the same bits in every width of registers.
+TEST(Kernels, SameBitsInEveryWidth) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    RandomSource random(seed);
+    const MechanismPtr m = Mechanism::make(testing::twins_spec(random, seed % 2 == 0)).value();
+    Workspace ws(*m);
+    State s(*m);
+    testing::randomize(random, *m, s);
+    std::vector<double> vdot(s.v.size()), tau(s.v.size()), first_vdot, first_tau;
+    for (const SimdWidth width : {SimdWidth::plain, SimdWidth::avx2, SimdWidth::avx512}) {
+      if (!use_simd(width)) continue;
+      ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, {}, vdot));
+      calc_inverse_dynamics(*m, ws, s.q, s.v, s.tau, gravity, {}, tau);
+      if (width == SimdWidth::plain) first_vdot = vdot, first_tau = tau;
+      EXPECT_EQ(std::memcmp(vdot.data(), first_vdot.data(), vdot.size() * sizeof(double)), 0) << "seed " << seed;
+      EXPECT_EQ(std::memcmp(tau.data(), first_tau.data(), tau.size() * sizeof(double)), 0) << "seed " << seed;
+    }
+    use_simd(widest_simd());
+  }
+}
+
+// A leg whose tip has no moment of inertia about its joint is singular, whichever of the two it is.
+TEST(Kernels, SingularTwinsAreFound) {
+  for (const std::string side : {"none", "left", "right"}) {
+    MechanismSpec spec;
+    LinkSpec hip;
+    hip.name = "hip";
+    hip.joint.type = JointType::floating;
+    hip.inertia = Inertia::from_centre(5, {}, {0.1, 0.1, 0.1, 0, 0, 0});
+    spec.links.push_back(hip);
+    for (const std::string leg : {"left", "right"})
+      for (int i = 0; i < 3; ++i) {
+        LinkSpec l;
+        l.name = leg + std::to_string(i);
+        l.parent = i == 0 ? "hip" : leg + std::to_string(i - 1);
+        l.joint.type = JointType::revolute;
+        l.joint.axis = {0, 1, 0};
+        l.joint.X_PJ.p = {0, leg == "left" ? 0.1 : -0.1, -0.3};
+        const bool point = i == 2 && leg == side;
+        l.inertia = point ? Inertia::from_centre(1, {}, {}) : Inertia::from_centre(1, {0, 0, -0.1}, {0.01, 0.01, 0.01, 0, 0, 0});
+        spec.links.push_back(l);
+      }
+    const MechanismPtr m = Mechanism::make(std::move(spec)).value();
+    Workspace ws(*m);
+    const State s(*m);
+    EXPECT_EQ(ws.twins.pairs.size(), 1U);
+    std::vector<double> vdot(s.v.size());
+    EXPECT_EQ(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, {}, vdot), side == "none") << side;
   }
 }
 

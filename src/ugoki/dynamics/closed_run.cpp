@@ -132,7 +132,7 @@ class ClosedRun {
             .q = q_.data(),
             .v = v_.data(),
             .in = tau.empty() ? nullptr : tau.data(),
-            .external = external.empty() ? nullptr : &external.front().w.x,
+            .external = acting(external),
             .out = vdot.data(),
             .gravity = {gravity.x, gravity.y, gravity.z},
             .scratch = k_.scratch.data()->bytes,

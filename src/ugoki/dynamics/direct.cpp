@@ -40,8 +40,7 @@ KernelArguments<double> arguments(const Mechanism& m, Workspace& ws, std::span<c
   UGOKI_CHECK(external.empty() || external.size() == m.links().size());
   a.v = v.data();
   a.in = in.empty() ? nullptr : in.data();
-  static_assert(sizeof(Vec6) == 6 * sizeof(double));
-  a.external = external.empty() ? nullptr : &external.front().w.x;
+  a.external = acting(external);
   a.out = out.data();
   a.gravity[0] = gravity.x;
   a.gravity[1] = gravity.y;
@@ -53,12 +52,18 @@ KernelArguments<double> arguments(const Mechanism& m, Workspace& ws, std::span<c
 
 void calc_inverse_dynamics(const Mechanism& m, Workspace& ws, std::span<const double> q, std::span<const double> v,
                            std::span<const double> vdot, const Vec3& gravity, std::span<const Vec6> external, std::span<double> tau) {
-  kernels().inverse(arguments(m, ws, q, v, vdot, gravity, external, tau));
+  const KernelArguments<double> a = arguments(m, ws, q, v, vdot, gravity, external, tau);
+  if (a.external == nullptr && !ws.twins.pairs.empty())
+    kernels().inverse_twins(ws.twins.arguments(a));
+  else
+    kernels().inverse(a);
 }
 
 bool calc_forward_dynamics(const Mechanism& m, Workspace& ws, std::span<const double> q, std::span<const double> v,
                            std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
-  return kernels().forward(arguments(m, ws, q, v, tau, gravity, external, vdot));
+  const KernelArguments<double> a = arguments(m, ws, q, v, tau, gravity, external, vdot);
+  if (a.external == nullptr && !ws.twins.pairs.empty()) return kernels().forward_twins(ws.twins.arguments(a));
+  return kernels().forward(a);
 }
 
 void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double> q) {

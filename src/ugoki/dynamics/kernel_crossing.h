@@ -13,17 +13,27 @@ namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 template <class T>
 using V3 = Vec3T<T>;
 
-template <class T>
-UGOKI_INLINE V3<T> vector_of(const typename T::Real* p) {
+template <class T, class Constant>
+UGOKI_INLINE V3<T> vector_of(const Constant* p) {
   return {T(p[0]), T(p[1]), T(p[2])};
 }
-template <class T>
-UGOKI_INLINE Sym3T<T> symmetric_of(const typename T::Real* p) {
+template <class T, class Constant>
+UGOKI_INLINE Sym3T<T> symmetric_of(const Constant* p) {
   return {T(p[0]), T(p[1]), T(p[2]), T(p[3]), T(p[4]), T(p[5])};
 }
-template <class T>
-UGOKI_INLINE Mat3T<T> matrix_of(const typename T::Real* p) {
+template <class T, class Constant>
+UGOKI_INLINE Mat3T<T> matrix_of(const Constant* p) {
   return {T(p[0]), T(p[1]), T(p[2]), T(p[3]), T(p[4]), T(p[5]), T(p[6]), T(p[7]), T(p[8])};
+}
+template <class Real>
+UGOKI_INLINE bool is_zero(Real x) {
+  return x == Real(0);
+}
+template <class Real, int N>
+UGOKI_INLINE bool is_zero(const LaneArray<Real, N>& x) {
+  bool zero = true;
+  for (const Real a : x.x) zero = zero && a == Real(0);
+  return zero;
 }
 template <class T>
 UGOKI_INLINE T load(const typename T::Real* array, int i, std::ptrdiff_t stride) {
@@ -163,17 +173,19 @@ class Scratch {
 };
 
 /// What the passes share: where every joint stands, and the external wrenches in the nodes' frames.
-template <class T>
+/// @tparam Constant of a node: Real, or one for each lane
+template <class T, class Constant = typename T::Real>
 struct Pass {
   using Real = typename T::Real;
-  const KernelArguments<Real>& a;
+  static constexpr bool twins = !std::is_same_v<Constant, Real>;
+  const KernelArguments<Real, Constant>& a;
   Scratch scratch;
   T* sin;            ///< [angles]
   T* cos;            ///< [angles]
   Mat3T<T>* E;       ///< [nodes] of Crossing::matrix; of a floating node without its R
   Vec6T<T>* wrench;  ///< [nodes], or null
 
-  explicit Pass(const KernelArguments<Real>& arguments)
+  explicit Pass(const KernelArguments<Real, Constant>& arguments)
       : a(arguments),
         scratch(a.scratch),
         sin(scratch.take<T>(a.angles + 8)),
@@ -183,14 +195,16 @@ struct Pass {
 
   /// Sines and cosines of all angles, then the matrices.
   void prepare() {
-    if constexpr (T::count == 1 && sizeof(Real) == 8) {
-      constexpr int wide = UGOKI_DOUBLE_LANES;
+    if constexpr ((T::count == 1 || twins) && sizeof(Real) == 8) {
+      constexpr int wide = UGOKI_DOUBLE_LANES, lanes = T::count;
       using Wide = Lanes<double, wide>;
-      double* const s = &sin[0].v;
-      double* const c = &cos[0].v;
-      for (int i = 0; i < a.angles; ++i) s[i] = a.q[a.angle_q[i]] * a.angle_sign[i];
-      for (int i = a.angles; i % wide != 0; ++i) s[i] = 0;
-      for (int i = 0; i < a.angles; i += wide) {
+      double* const s = reinterpret_cast<double*>(sin);
+      double* const c = reinterpret_cast<double*>(cos);
+      const int count = a.angles * lanes;
+      for (int i = 0; i < a.angles; ++i)
+        for (int k = 0; k < lanes; ++k) s[i * lanes + k] = a.q[a.angle_q[i] * lanes + k] * a.angle_sign[i * lanes + k];
+      for (int i = count; i % wide != 0; ++i) s[i] = 0;
+      for (int i = 0; i < count; i += wide) {
         const LaneSinCos<Wide> sc = lane_sin_cos(Wide::load(s + i));
         sc.sin.store(s + i);
         sc.cos.store(c + i);
@@ -228,10 +242,10 @@ struct Pass {
   /// The node's origin in the parent's frame.
   UGOKI_INLINE V3<T> origin(int i) const {
     const NodeOrder& o = a.order[i];
-    const NodeConstants<Real>& c = a.constants[i];
+    const NodeConstants<Constant>& c = a.constants[i];
     V3<T> r = vector_of<T>(c.p);
     if (o.kind == NodeKind::prismatic) r += V3<T>{T(c.R[2]), T(c.R[5]), T(c.R[8])} * (load<T>(a.q, o.q, a.stride) * T(c.sign));
-    if (o.kind == NodeKind::helical) r += V3<T>{T(c.R[2]), T(c.R[5]), T(c.R[8])} * (load<T>(a.q, o.q, a.stride) * T(c.sign * c.pitch));
+    if (o.kind == NodeKind::helical) r += V3<T>{T(c.R[2]), T(c.R[5]), T(c.R[8])} * (load<T>(a.q, o.q, a.stride) * (T(c.sign) * T(c.pitch)));
     if (o.kind == NodeKind::floating)
       r += matrix_of<T>(c.R) * V3<T>{load<T>(a.q, o.q, a.stride), load<T>(a.q, o.q + 1, a.stride), load<T>(a.q, o.q + 2, a.stride)};
     return r;
@@ -250,15 +264,9 @@ struct Pass {
     return transpose_times(E[i], twice ? transpose_times(matrix_of<T>(a.constants[i].R), parent) : parent);
   }
 
-  [[nodiscard]] bool none_acts() const {
-    for (int k = 0; k < 6 * a.link_count; ++k)
-      if (a.external[k] != Real(0)) return false;
-    return true;
-  }
-
   /// External wrenches of the links, from the world's axes and origin to those of the nodes.
   void take_wrenches() {
-    if (a.external == nullptr || (T::count == 1 && none_acts())) return;
+    if (a.external == nullptr) return;
     struct Frame {
       V3<T> x, y, z, p;  // the world's axes in the node's; the node's origin in the world
     };

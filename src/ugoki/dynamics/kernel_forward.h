@@ -35,15 +35,17 @@ struct NoLoops {
 };
 
 /// @tparam Loops takes part in the elimination of every freedom: NoLoops, or the multipliers of closed loops
-template <class T, class Loops = NoLoops>
+/// @tparam Constant LaneArray: twins (link_twins.h), whose base is a node of another kernel
+template <class T, class Loops = NoLoops, class Constant = typename T::Real>
 class ForwardKernel {
  public:
   using Real = typename T::Real;
   using Mask = typename T::Mask;
 
+  static constexpr bool twins = !std::is_same_v<Constant, Real>;
   static constexpr bool closed = !std::is_same_v<Loops, NoLoops>;
 
-  explicit ForwardKernel(const KernelArguments<Real>& arguments, Loops loops = {})
+  explicit ForwardKernel(const KernelArguments<Real, Constant>& arguments, Loops loops = {})
       : loops_(loops),
         pass_(arguments),
         a_(pass_.a),
@@ -60,10 +62,11 @@ class ForwardKernel {
   }
 
   /// Where the joints stand and how the nodes turn.
-  void turn_all() {
+  void turn_all() { turn_all({T(0), T(0), T(0)}); }
+  /// @param w the base's angular velocity
+  void turn_all(const V3<T>& w) {
     pass_.prepare();
-    const T none(0);
-    w_[0] = {none, none, none};
+    w_[0] = w;
     for (int i = 0; i < a_.nodes; ++i) {
       switch (a_.order[i].crossing) {
         case Crossing::none: turn_revolute<Crossing::none>(i); break;
@@ -98,7 +101,11 @@ class ForwardKernel {
     acceleration_[0] = {{none, none, none}, -vector_of<T>(a_.gravity)};
   }
 
-  /// The second half.
+  /// The second half. @param base its acceleration
+  void move(const Vec6T<T>& base) {
+    acceleration_[0] = base;
+    move();
+  }
   void move() {
     for (int i = 0; i < a_.nodes; ++i) {
       switch (a_.order[i].crossing) {
@@ -112,7 +119,13 @@ class ForwardKernel {
 
   /// The node's angular velocity in its own axes.
   [[nodiscard]] const V3<T>& angular_velocity(int i) const { return w_[i + 1]; }
-  [[nodiscard]] const Pass<T>& pass() const { return pass_; }
+  [[nodiscard]] const Vec6T<T>& acceleration(int i) const { return acceleration_[i + 1]; }
+  /// What twins hand on to the node that carries them.
+  [[nodiscard]] const Articulated<T>& handed_on() const { return carry_; }
+  /// What twins of the nodes have handed on: [NodeOrder::twins].
+  void take_twins(const Articulated<T>* handed_on) { twins_ = handed_on; }
+  [[nodiscard]] Mask bad() const { return bad_; }
+  [[nodiscard]] const Pass<T, Constant>& pass() const { return pass_; }
 
  private:
   friend class PathForward;
@@ -152,7 +165,7 @@ class ForwardKernel {
   /// The node's own body and what its children handed on.
   UGOKI_INLINE Articulated<T> gather(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const T none(0);
     Articulated<T> A;
     if (o.massless) {
@@ -170,10 +183,11 @@ class ForwardKernel {
     }
     if (o.has_child) add(A, carry_);
     if (o.slot >= 0) add(A, slots_[o.slot]);
+    if (T::count == 1 && o.twins >= 0) add(A, twins_[o.twins]);
     return A;
   }
   UGOKI_INLINE void hand_on(const NodeOrder& o, const Articulated<T>& A) {
-    if (o.first_child) {
+    if (o.first_child || (twins && o.parent < 0)) {
       carry_ = A;
     } else if (o.last_child) {
       slots_[a_.order[o.parent].slot] = A;
@@ -185,7 +199,7 @@ class ForwardKernel {
   template <Crossing K>
   UGOKI_INLINE void inward_revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    const bool armed = a_.constants[i].armature[0] != Real(0);
+    const bool armed = !is_zero(a_.constants[i].armature[0]);
     if (closed && loops_.present_at(i)) {  // apart: the many nodes without loops keep their registers
       if (armed)
         eliminate_revolute<K, true, true>(i, o);
@@ -200,7 +214,7 @@ class ForwardKernel {
   /// Without armature the freedom's row and column of the inertia handed on are zero.
   template <Crossing K, bool armed, bool loops>
   UGOKI_INLINE void eliminate_revolute(int i, const NodeOrder& o) {
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const T none(0), sign(c.sign);
     Articulated<T> A = gather(i);
     if constexpr (loops) loops_.eliminate(i, A);
@@ -222,7 +236,7 @@ class ForwardKernel {
       loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, c_v});
       loops_.hand_on(i, X, r);
     }
-    if (o.parent < 0) return;
+    if (!twins && o.parent < 0) return;
 
     const T dx = Uw.x * d, dy = Uw.y * d;
     const V3<T> dv = Uv * d;
@@ -308,7 +322,7 @@ class ForwardKernel {
   /// Velocity products (c) of a node that is not a plain revolute joint.
   Vec6T<T> velocity_product(int i) const {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& k = a_.constants[i];
+    const NodeConstants<Constant>& k = a_.constants[i];
     const T none(0), sign(k.sign), two(2);
     const V3<T> w = w_[i + 1], w_up = w_[o.parent + 1];
     Vec6T<T> c{{none, none, none}, pass_.down(i, cross(w_up, cross(w_up, pass_.origin(i))))};
@@ -326,7 +340,7 @@ class ForwardKernel {
 
   void inward(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     Articulated<T> A = gather(i);
     loops_.eliminate(i, A);
     if (o.kind == NodeKind::floating) {
@@ -363,7 +377,7 @@ class ForwardKernel {
     }
     const MatrixCrossing<T> X{pass_.E[i]};
     loops_.hand_on(i, X, pass_.origin(i));
-    if (o.parent < 0) return;
+    if (!twins && o.parent < 0) return;
     A.I = X.up(A.I);
     A.H = X.up(A.H);
     A.M = X.up(A.M);
@@ -376,15 +390,15 @@ class ForwardKernel {
   /// A floating base: (IA + armature) vdot = tau - pA - IA a_0 in the node's axes, by L D L^T from the last freedom on.
   void solve_floating(int i, const Articulated<T>& A) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const V3<T> a0 = pass_.down(i, -vector_of<T>(a_.gravity));
     const Mat3T<T>& E = pass_.E[i];
     const auto t = [&](int k) { return tau(o.v + k); };
     const V3<T> n = V3<T>{t(0), t(1), t(2)} - A.n - A.H * a0;
     const V3<T> f = transpose_times(E, V3<T>{t(3), t(4), t(5)}) - A.f - A.M * a0;
     Sym3T<T> M = A.M;
-    const Real* const arm = c.armature;
-    if (arm[3] != Real(0) || arm[4] != Real(0) || arm[5] != Real(0)) {
+    const Constant* const arm = c.armature;
+    if (!is_zero(arm[3]) || !is_zero(arm[4]) || !is_zero(arm[5])) {
       const T none(0);
       M = M + MatrixCrossing<T>{E.transposed()}.up(Sym3T<T>{T(arm[3]), T(arm[4]), T(arm[5]), none, none, none});
     }
@@ -428,7 +442,7 @@ class ForwardKernel {
   template <Crossing K, bool loops>
   UGOKI_INLINE void accelerate_revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const Vec6T<T>& up = acceleration_[o.parent + 1];
     const V3<T> w = w_[i + 1];
@@ -447,7 +461,7 @@ class ForwardKernel {
 
   void outward(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const Vec6T<T>& up = acceleration_[o.parent + 1];
     Vec6T<T> A{pass_.down(i, up.w), pass_.down(i, up.v + cross(up.w, pass_.origin(i)))};
     if (o.kind == NodeKind::floating) {
@@ -488,13 +502,14 @@ class ForwardKernel {
   }
 
   Loops loops_;
-  Pass<T> pass_;
-  const KernelArguments<Real>& a_;
+  Pass<T, Constant> pass_;
+  const KernelArguments<Real, Constant>& a_;
   V3<T>* w_;                 // [nodes + 1], the world first
   V3<T>* velocity_product_;  // [nodes] linear part, of plain revolute joints
   FreedomPass* freedom_;     // [nv]
   Vec6T<T>* acceleration_;   // [nodes + 1]
   Articulated<T>* slots_;
+  const Articulated<T>* twins_ = nullptr;
   Articulated<T> carry_;
   Mask bad_{};
 };

@@ -13,23 +13,39 @@
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
-template <class T>
+/// @tparam Constant LaneArray: twins (link_twins.h), whose base is a node of another kernel
+template <class T, class Constant = typename T::Real>
 class InverseKernel {
  public:
   using Real = typename T::Real;
 
-  explicit InverseKernel(const KernelArguments<Real>& arguments)
+  explicit InverseKernel(const KernelArguments<Real, Constant>& arguments)
       : pass_(arguments),
         a_(pass_.a),
         motion_(pass_.scratch.template take<Motion>(a_.nodes + 1)),
         force_(pass_.scratch.template take<Force>(a_.nodes + 1)) {}
 
+  /// K r = w' x r + w x (w x r); a: acceleration of the origin.
+  struct Motion {
+    Mat3T<T> K;
+    V3<T> a, w, wd;
+  };
+  struct Force {
+    V3<T> n, f;
+  };
+
   void run() {
-    pass_.prepare();
-    pass_.take_wrenches();
     const T none(0);
     const V3<T> zero{none, none, none};
-    motion_[0] = {{none, none, none, none, none, none, none, none, none}, -vector_of<T>(a_.gravity), zero, zero};
+    move({{none, none, none, none, none, none, none, none, none}, -vector_of<T>(a_.gravity), zero, zero});
+    press();
+  }
+
+  /// The first half: motions, and the forces on each node alone. @param base its motion
+  void move(const Motion& base) {
+    pass_.prepare();
+    pass_.take_wrenches();
+    motion_[0] = base;
     for (int i = 0; i < a_.nodes; ++i) {
       switch (a_.order[i].crossing) {
         case Crossing::none: outward_revolute<Crossing::none>(i); break;
@@ -38,6 +54,10 @@ class InverseKernel {
         case Crossing::matrix: outward(i); break;
       }
     }
+  }
+
+  /// The second half: forces from the leaves on.
+  void press() {
     for (int i = a_.nodes; i-- > 0;) {
       switch (a_.order[i].crossing) {
         case Crossing::none: inward_revolute<Crossing::none>(i); break;
@@ -48,22 +68,23 @@ class InverseKernel {
     }
   }
 
+  [[nodiscard]] const Motion& motion(int i) const { return motion_[i + 1]; }
+  /// What twins hand on to the node that carries them.
+  [[nodiscard]] const Force& handed_on() const { return handed_on_; }
+  void take(int i, const V3<T>& n, const V3<T>& f) {
+    force_[i].n += n;
+    force_[i].f += f;
+  }
+
  private:
-  /// K r = w' x r + w x (w x r); a: acceleration of the origin.
-  struct Motion {
-    Mat3T<T> K;
-    V3<T> a, w, wd;
-  };
-  struct Force {
-    V3<T> n, f;
-  };
+  static constexpr bool twins = !std::is_same_v<Constant, Real>;
 
   UGOKI_INLINE T v(int k) const { return load<T>(a_.v, k, a_.stride); }
   UGOKI_INLINE T vdot(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
   UGOKI_INLINE void give(int k, T tau) const { tau.store(a_.out + k * a_.stride); }
 
   UGOKI_INLINE void finish(int i, const V3<T>& w, const V3<T>& wd, const V3<T>& a) {
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z, xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
     Motion& m = motion_[i + 1];
     m.K = {-(yy + zz), xy - wd.z, xz + wd.y, xy + wd.z, -(xx + zz), yz - wd.x, xz - wd.y, yz + wd.x, -(xx + yy)};
@@ -93,7 +114,7 @@ class InverseKernel {
   template <Crossing K>
   UGOKI_INLINE void outward_revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const Motion& p = motion_[o.parent + 1];
     const V3<T> w = X.down(p.w), wd = X.down(p.wd), a = X.down(p.a + p.K * vector_of<T>(c.p));
@@ -103,7 +124,7 @@ class InverseKernel {
 
   void outward(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const Motion& p = motion_[o.parent + 1];
     V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, p.wd), a = pass_.down(i, p.a + p.K * pass_.origin(i));
     const T sign(c.sign), two(2);
@@ -127,7 +148,11 @@ class InverseKernel {
   }
 
   UGOKI_INLINE void pass_on(const NodeOrder& o, const V3<T>& n, const V3<T>& f, const V3<T>& r) {
-    if (o.parent < 0) return;
+    if (!twins && o.parent < 0) return;
+    if (twins && o.parent < 0) {
+      handed_on_ = {n + cross(r, f), f};
+      return;
+    }
     Force& g = force_[o.parent];
     g.f += f;
     g.n += n + cross(r, f);
@@ -136,7 +161,7 @@ class InverseKernel {
   template <Crossing K>
   UGOKI_INLINE void inward_revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const Force g = force_[i];
     give(o.v, g.n.z * T(c.sign) + T(c.armature[0]) * vdot(o.v));
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
@@ -145,7 +170,7 @@ class InverseKernel {
 
   void inward(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Real>& c = a_.constants[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
     const Force g = force_[i];
     const auto drive = [&](int k, T along) { give(o.v + k, along + T(c.armature[k]) * vdot(o.v + k)); };
     switch (o.kind) {
@@ -165,15 +190,16 @@ class InverseKernel {
         }
         break;
     }
-    if (o.parent < 0) return;
+    if (!twins && o.parent < 0) return;
     const MatrixCrossing<T> X{pass_.E[i]};
     pass_on(o, X.up(g.n), X.up(g.f), pass_.origin(i));
   }
 
-  Pass<T> pass_;
-  const KernelArguments<Real>& a_;
+  Pass<T, Constant> pass_;
+  const KernelArguments<Real, Constant>& a_;
   Motion* motion_;  // [nodes + 1], the world first
   Force* force_;    // [nodes]
+  Force handed_on_;
 };
 
 }  // namespace

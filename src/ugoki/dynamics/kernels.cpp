@@ -33,12 +33,22 @@ bool use_simd(SimdWidth width) {
   return table != nullptr;
 }
 
-std::size_t scratch_size(const LinkProgram& program, std::size_t bytes, int instances) {
+std::size_t scratch_size(int nodes, int nv, int slots, int angles, std::size_t bytes, int instances) {
   // numbers a node, a freedom and a slot take in the most demanding kernel, and the pieces' boundaries of 64 bytes
-  const auto lanes = static_cast<std::size_t>(instances), nodes = static_cast<std::size_t>(program.nodes()) + 1;
-  const std::size_t numbers = nodes * (9 + 12 + 6 + 18 + 6) + static_cast<std::size_t>(program.nv) * 10 +
-                              static_cast<std::size_t>(program.slots) * 27 + static_cast<std::size_t>(program.angles() + 8) * 2;
-  return numbers * bytes * lanes + 16 * 64;
+  const auto n = [](int count) { return static_cast<std::size_t>(count); };
+  const std::size_t numbers = n(nodes + 1) * (9 + 12 + 6 + 18 + 6) + n(nv) * 10 + n(slots) * 27 + n(angles + 8) * 2;
+  return numbers * bytes * n(instances) + 16 * 64;
+}
+
+std::size_t scratch_size(const LinkProgram& program, std::size_t bytes, int instances) {
+  return scratch_size(program.nodes(), program.nv, program.slots, program.angles(), bytes, instances);
+}
+
+const double* acting(std::span<const Vec6> external) {
+  static_assert(sizeof(Vec6) == 6 * sizeof(double));
+  for (const Vec6& f : external)
+    if (f.w.x != 0 || f.w.y != 0 || f.w.z != 0 || f.v.x != 0 || f.v.y != 0 || f.v.z != 0) return &external.front().w.x;
+  return nullptr;
 }
 
 }  // namespace ugoki::dynamics

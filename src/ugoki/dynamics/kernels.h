@@ -6,6 +6,7 @@
 // and cosines in lanes; a batch runs as many instances as a register holds.
 
 #include <cstddef>
+#include <span>
 
 #include "ugoki/dynamics/link_program.h"
 
@@ -14,10 +15,11 @@ namespace ugoki::dynamics {
 enum class SimdWidth : std::uint8_t { plain, avx2, avx512 };
 
 /// Numbers of one kind lie `stride` apart: 1 for one instance, the lanes of a block for a batch.
-template <class Real>
+/// Constant: that of a node, Real, or for twins one for each lane.
+template <class Real, class Constant = Real>
 struct KernelArguments {
   const NodeOrder* order;
-  const NodeConstants<Real>* constants;
+  const NodeConstants<Constant>* constants;
   int nodes, slots, nv;
   const LinkPlace* links;
   int link_count;
@@ -38,6 +40,24 @@ struct KernelArguments {
   std::ptrdiff_t stride;
 };
 
+/// Pairs of equal subtrees side by side, and the trunk that carries them: link_twins.h. Addresses of one call.
+struct TwinArguments {
+  static constexpr int most_pairs = 4;
+  struct Pair {
+    KernelArguments<double, LaneArray<double, 2>> a;  ///< q, v, in, out: null; taken from the trunk's by `q_of`, `v_of`
+    int nq;
+    const int* q_of;  ///< [nq * 2]
+    const int* v_of;  ///< [nv * 2]
+    int base;         ///< node of the trunk that carries them
+    int place;        ///< NodeOrder::twins of that node
+    bool first;       ///< of this base
+  };
+  KernelArguments<double> trunk;
+  int pair_count;
+  int places;
+  Pair pairs[most_pairs];
+};
+
 /// One width. `batch_*` run `lanes` instances that lie side by side; bit i of what they return: instance i is singular.
 template <class Real>
 struct BatchKernels {
@@ -52,6 +72,8 @@ struct Kernels {
   void (*inverse)(const KernelArguments<double>&);
   bool (*forward)(const KernelArguments<double>&);  ///< false: singular
   void (*inertia)(const KernelArguments<double>&);  ///< `out`: chain rows
+  void (*inverse_twins)(const TwinArguments&);      ///< without external wrenches
+  bool (*forward_twins)(const TwinArguments&);
   /// s[i], c[i] = sine and cosine of x[i]. @param n a multiple of 8
   void (*sin_cos)(const double* x, double* s, double* c, int n);
   BatchKernels<double> in_double;
@@ -60,6 +82,9 @@ struct Kernels {
 
 /// Bytes of scratch that the kernels need for `instances` side by side.
 [[nodiscard]] std::size_t scratch_size(const LinkProgram& program, std::size_t bytes_a_number, int instances);
+[[nodiscard]] std::size_t scratch_size(int nodes, int nv, int slots, int angles, std::size_t bytes_a_number, int instances);
+/// The address of the wrenches, or null where all are zero.
+[[nodiscard]] const double* acting(std::span<const Vec6> external);
 
 /// The widest that this processor has.
 [[nodiscard]] SimdWidth widest_simd();

@@ -6,6 +6,7 @@
 #include "ugoki/dynamics/kernel_inertia.h"
 #include "ugoki/dynamics/kernel_inverse.h"
 #include "ugoki/dynamics/kernel_step.h"
+#include "ugoki/dynamics/kernel_twins.h"
 
 namespace ugoki::dynamics {
 namespace {
@@ -20,6 +21,8 @@ void inverse(const KernelArguments<typename T::Real>& a) {
 }
 bool forward_one(const KernelArguments<double>& a) { return !ForwardKernel<One>(a).run()[0]; }
 void inertia_one(const KernelArguments<double>& a) { InertiaKernel(a).run(); }
+
+bool forward_twins(const TwinArguments& a) { return twins::Forward(a).run(); }
 
 template <class T>
 unsigned forward_batch(const KernelArguments<typename T::Real>& a) {
@@ -52,6 +55,8 @@ extern const Kernels table;
 const Kernels table = {inverse<One>,
                        forward_one,
                        inertia_one,
+                       twins::inverse,
+                       forward_twins,
                        sines,
                        {UGOKI_DOUBLE_LANES, inverse<Wide<double>>, forward_batch<Wide<double>>, step_batch<Wide<double>>},
                        {UGOKI_FLOAT_LANES, inverse<Wide<float>>, forward_batch<Wide<float>>, step_batch<Wide<float>>}};

@@ -179,7 +179,7 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
   for (LinkPlace& link : links)
     if (link.node >= 0) link.node = place_of[static_cast<std::size_t>(link.node)];
 
-  std::vector<int> children(drafts.size()), last(drafts.size(), -1);
+  std::vector<int> last(drafts.size(), -1);
   for (std::size_t i = 0; i < drafts.size(); ++i) {
     const Draft& d = drafts[draft_of[i]];
     NodeOrder node;
@@ -195,22 +195,13 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
       angle_q.push_back(d.q);
       angle_sign.push_back(d.sign);
     }
-    if (node.parent >= 0) {
-      const auto p = static_cast<std::size_t>(node.parent);
-      ++children[p];
-      last[p] = static_cast<int>(i);
-      node.first_child = p + 1 == i;
-      if (node.first_child) order[p].has_child = true;
-    }
+    if (node.parent >= 0) last[static_cast<std::size_t>(node.parent)] = static_cast<int>(i);
     order.push_back(node);
     constants.push_back(constants_of(d));
   }
+  slots = mark_children(order);
   std::vector<int> least_below(order.size(), nv);  // of the freedoms below each node
   for (std::size_t i = order.size(); i-- > 0;) {
-    if (children[i] > 1) {
-      order[i].slot = slots++;
-      order[static_cast<std::size_t>(last[i])].last_child = true;
-    }
     order[i].force_begin = last[i] < 0 ? static_cast<int>(force_freedom.size()) : order[static_cast<std::size_t>(last[i])].force_begin;
     for (int k = freedoms_of(order[i].kind); k-- > 0;) force_freedom.push_back(order[i].v + k);
     order[i].force_end = static_cast<int>(force_freedom.size());
@@ -221,6 +212,28 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
     }
     order[i].end = last[i] < 0 ? static_cast<int>(i) + 1 : order[static_cast<std::size_t>(last[i])].end;
   }
+}
+
+int mark_children(std::span<NodeOrder> order) {
+  std::vector<int> children(order.size()), last(order.size(), -1);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    NodeOrder& o = order[i];
+    o.has_child = o.first_child = o.last_child = false;
+    o.slot = -1;
+    if (o.parent < 0) continue;
+    const auto p = static_cast<std::size_t>(o.parent);
+    ++children[p];
+    last[p] = static_cast<int>(i);
+    o.first_child = p + 1 == i;
+    if (o.first_child) order[p].has_child = true;
+  }
+  int slots = 0;
+  for (std::size_t i = order.size(); i-- > 0;) {
+    if (children[i] < 2) continue;
+    order[i].slot = slots++;
+    order[static_cast<std::size_t>(last[i])].last_child = true;
+  }
+  return slots;
 }
 
 std::vector<NodeConstants<float>> in_single_precision(std::span<const NodeConstants<double>> constants) {

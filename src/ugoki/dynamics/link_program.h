@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ugoki/mechanism/mechanism.h"
+#include "ugoki/spatial/lane_array.h"
 
 namespace ugoki::dynamics {
 
@@ -37,6 +38,7 @@ struct NodeOrder {
   int end = 0;               ///< its subtree is [node, end)
   int force_begin = 0;       ///< the freedoms of its subtree are [force_begin, force_end) in force_freedom, its own the last,
   int force_end = 0;         ///< the first of them at the end
+  int twins = -1;            ///< of a node that carries twins: the place of what they hand on (link_twins.h)
   bool ordered = true;       ///< no freedom of its subtree comes before one of its own in v
 };
 
@@ -73,6 +75,9 @@ struct LinkProgram {
   [[nodiscard]] int nodes() const { return static_cast<int>(order.size()); }
   [[nodiscard]] int angles() const { return static_cast<int>(angle_q.size()); }
 };
+
+/// Sets who comes first and last among a node's children, and the slots of nodes with several. @return how many slots
+int mark_children(std::span<NodeOrder> order);
 
 /// The constants in single precision.
 [[nodiscard]] std::vector<NodeConstants<float>> in_single_precision(std::span<const NodeConstants<double>> constants);

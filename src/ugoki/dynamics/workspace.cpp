@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t too_many_entries = std::numeric_limits<int>::max();
 }
 
-Workspace::Workspace(const Mechanism& m) : program(m) {
+Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
   const auto n = static_cast<std::size_t>(m.nv());
   const auto links = static_cast<std::size_t>(m.link_count());
   depth.resize(n);
@@ -27,7 +27,7 @@ Workspace::Workspace(const Mechanism& m) : program(m) {
   }
   row_start[n] = static_cast<int>(std::min(entries, too_many_entries));
   if (entries <= 1'000'000) make_rows(m);
-  scratch.resize((scratch_size(program, sizeof(double), 1) + sizeof(CacheLine) - 1) / sizeof(CacheLine));
+  scratch.resize((std::max(scratch_size(program, sizeof(double), 1), twins.scratch) + sizeof(CacheLine) - 1) / sizeof(CacheLine));
   link_chain.resize(links);
   for (std::size_t i = 0; i < links; ++i) {
     const Link& l = m.links()[i];

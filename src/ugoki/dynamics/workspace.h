@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "ugoki/dynamics/link_program.h"
+#include "ugoki/dynamics/link_twins.h"
 
 namespace ugoki::dynamics {
 
@@ -35,6 +35,7 @@ struct Workspace {
 
   // From the mechanism
   LinkProgram program;            ///< what the fast kernels run
+  LinkTwins twins;                ///< the same for one instance, with legs and arms side by side
   std::vector<int> depth;         ///< [nv] freedoms above freedom i
   std::vector<int> row_start;     ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
   std::vector<int> chain;         ///< freedoms from the base to i, i included

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "ugoki/spatial/lane_array.h"
+
 namespace ugoki {
 namespace {  // NOLINT(google-build-namespaces): see above
 
@@ -43,6 +45,7 @@ struct Lanes {
 
   Lanes() = default;
   Lanes(Real s) : v(s - Vector{}) {}  // s - 0 is s, its sign kept
+  explicit Lanes(const LaneArray<Real, N>& x) { __builtin_memcpy(&v, x.x, sizeof v); }
   static Lanes of(const Vector& x) {
     Lanes out;
     out.v = x;

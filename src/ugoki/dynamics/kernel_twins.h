@@ -1,0 +1,133 @@
+#pragma once
+// Inverse and forward dynamics of one instance with twins (link_twins.h): the kernels of the trunk, and of each pair in two lanes.
+// For kernels_*.cpp only.
+
+#include "ugoki/dynamics/kernel_forward.h"
+#include "ugoki/dynamics/kernel_inverse.h"
+
+namespace ugoki::dynamics {
+namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
+
+namespace twins {
+using One = Lanes<double, 1>;
+using Two = Lanes<double, 2>;
+using Both = LaneArray<double, 2>;
+
+UGOKI_INLINE V3<Two> both(const V3<One>& x) { return {Two(x.x.v), Two(x.y.v), Two(x.z.v)}; }
+UGOKI_INLINE Mat3T<Two> both(const Mat3T<One>& m) {
+  return {Two(m.xx.v), Two(m.xy.v), Two(m.xz.v), Two(m.yx.v), Two(m.yy.v), Two(m.yz.v), Two(m.zx.v), Two(m.zy.v), Two(m.zz.v)};
+}
+UGOKI_INLINE One total(Two x) { return x.v[0] + x.v[1]; }
+UGOKI_INLINE V3<One> total(const V3<Two>& x) { return {total(x.x), total(x.y), total(x.z)}; }
+UGOKI_INLINE Sym3T<One> total(const Sym3T<Two>& s) {
+  return {total(s.xx), total(s.yy), total(s.zz), total(s.xy), total(s.xz), total(s.yz)};
+}
+UGOKI_INLINE Mat3T<One> total(const Mat3T<Two>& m) {
+  return {total(m.xx), total(m.xy), total(m.xz), total(m.yx), total(m.yy), total(m.yz), total(m.zx), total(m.zy), total(m.zz)};
+}
+
+/// A pair's arguments with its numbers side by side, in front of the kernel's scratch.
+class Packed {
+ public:
+  Packed(const TwinArguments& whole, const TwinArguments::Pair& pair) : whole_(whole.trunk), pair_(pair), a_(pair.a) {
+    Scratch scratch(a_.scratch);
+    q_ = scratch.take<double>(2 * pair.nq);
+    v_ = scratch.take<double>(2 * a_.nv);
+    in_ = scratch.take<double>(2 * a_.nv);
+    out_ = scratch.take<double>(2 * a_.nv);
+    a_.q = q_;
+    a_.v = v_;
+    a_.in = whole_.in == nullptr ? nullptr : in_;
+    a_.out = out_;
+    a_.scratch = scratch.take<std::byte>(0);
+  }
+  void gather() const {
+    for (int i = 0; i < 2 * pair_.nq; ++i) q_[i] = whole_.q[pair_.q_of[i]];
+    for (int i = 0; i < 2 * a_.nv; ++i) v_[i] = whole_.v[pair_.v_of[i]];
+    if (whole_.in == nullptr) return;
+    for (int i = 0; i < 2 * a_.nv; ++i) in_[i] = whole_.in[pair_.v_of[i]];
+  }
+  void scatter() const {
+    for (int i = 0; i < 2 * a_.nv; ++i) whole_.out[pair_.v_of[i]] = out_[i];
+  }
+  [[nodiscard]] const KernelArguments<double, Both>& arguments() const { return a_; }
+
+ private:
+  const KernelArguments<double>& whole_;
+  const TwinArguments::Pair& pair_;
+  KernelArguments<double, Both> a_;
+  double *q_, *v_, *in_, *out_;
+};
+
+class Forward {
+ public:
+  using Trunk = ForwardKernel<One>;
+  using Twins = ForwardKernel<Two, NoLoops, Both>;
+
+  explicit Forward(const TwinArguments& a) : a_(a), trunk_(a.trunk) {}
+
+  /// @return false: singular
+  bool run() {
+    trunk_.turn_all();
+    Articulated<One> handed_on[TwinArguments::most_pairs];
+    for (int i = 0; i < a_.pair_count; ++i) {
+      const Packed packed(a_, a_.pairs[i]);
+      packed.gather();
+      Twins pair(packed.arguments());
+      pair.turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
+      pair.condense();
+      take(pair, a_.pairs[i], handed_on);
+    }
+    trunk_.take_twins(handed_on);
+    trunk_.condense();
+    trunk_.move();
+    for (int i = 0; i < a_.pair_count; ++i) {
+      const Packed packed(a_, a_.pairs[i]);
+      Twins pair(packed.arguments());
+      const Vec6T<One>& base = trunk_.acceleration(a_.pairs[i].base);
+      pair.move({both(base.w), both(base.v)});
+      packed.scatter();
+    }
+    return !bad_ && !trunk_.bad()[0];
+  }
+
+ private:
+  void take(const Twins& pair, const TwinArguments::Pair& p, Articulated<One>* handed_on) {
+    const Articulated<Two>& A = pair.handed_on();
+    const Articulated<One> sum{total(A.I), total(A.H), total(A.M), total(A.n), total(A.f)};
+    if (p.first)
+      handed_on[p.place] = sum;
+    else
+      add(handed_on[p.place], sum);
+    bad_ = bad_ || any(pair.bad());
+  }
+
+  const TwinArguments& a_;
+  Trunk trunk_;
+  bool bad_ = false;
+};
+
+inline void inverse(const TwinArguments& a) {
+  using Trunk = InverseKernel<One>;
+  using Twins = InverseKernel<Two, Both>;
+  Trunk trunk(a.trunk);
+  const One none(0);
+  const V3<One> zero{none, none, none};
+  trunk.move({{none, none, none, none, none, none, none, none, none}, -vector_of<One>(a.trunk.gravity), zero, zero});
+  for (int i = 0; i < a.pair_count; ++i) {
+    const Packed packed(a, a.pairs[i]);
+    packed.gather();
+    Twins pair(packed.arguments());
+    const Trunk::Motion& base = trunk.motion(a.pairs[i].base);
+    pair.move({both(base.K), both(base.a), both(base.w), both(base.wd)});
+    pair.press();
+    packed.scatter();
+    trunk.take(a.pairs[i].base, total(pair.handed_on().n), total(pair.handed_on().f));
+  }
+  trunk.press();
+}
+
+}  // namespace twins
+
+}  // namespace
+}  // namespace ugoki::dynamics

@@ -1,0 +1,172 @@
+#include "ugoki/dynamics/link_twins.h"
+
+#include <algorithm>
+
+namespace ugoki::dynamics {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+int int_of(std::size_t n) { return static_cast<int>(n); }
+
+int coordinates_of(NodeKind kind) { return kind == NodeKind::spherical ? 4 : 1; }  // not of a floating base
+
+class Search {
+ public:
+  Search(const LinkProgram& program, LinkTwins& twins) : p_(program), t_(twins), lane_(at(program.nodes())) {}
+
+  void run() {
+    for (int i = 0; i < p_.nodes(); ++i)
+      if (lane_[at(i)] == 0) pair_children(i);
+    make_trunk();
+    for (const auto& [a, b] : found_) make_pair(a, b);
+  }
+
+ private:
+  [[nodiscard]] const NodeOrder& order(int i) const { return p_.order[at(i)]; }
+
+  /// Children of a node of the trunk.
+  void pair_children(int base) {
+    std::vector<int> children;
+    for (int c = base + 1; c < order(base).end; c = order(c).end) children.push_back(c);
+    for (std::size_t i = 0; i < children.size(); ++i)
+      for (std::size_t j = i + 1; j < children.size(); ++j) {
+        const int a = children[i], b = children[j];
+        if (lane_[at(a)] != 0 || lane_[at(b)] != 0 || int_of(found_.size()) == TwinArguments::most_pairs || !alike(a, b)) continue;
+        for (int k = a; k < order(a).end; ++k) {
+          lane_[at(k)] = 1;
+          lane_[at(b + k - a)] = 2;
+        }
+        found_.emplace_back(a, b);
+      }
+  }
+
+  [[nodiscard]] bool alike(int a, int b) const {
+    constexpr int least = 3;  // nodes; below that the lanes cost more than they save
+    if (order(a).end - a < least || order(a).end - a != order(b).end - b) return false;
+    for (int k = 0; k < order(a).end - a; ++k) {
+      const NodeOrder &x = order(a + k), &y = order(b + k);
+      if (x.kind != y.kind || x.crossing != y.crossing || x.turned != y.turned || x.massless != y.massless) return false;
+      if (k > 0 && x.parent - a != y.parent - b) return false;
+    }
+    return true;
+  }
+
+  void make_trunk() {
+    trunk_of_.assign(at(p_.nodes()), -1);
+    LinkTwins::Part<double>& t = t_.trunk;
+    for (int i = 0; i < p_.nodes(); ++i) {
+      if (lane_[at(i)] != 0) continue;
+      trunk_of_[at(i)] = int_of(t.order.size());
+      NodeOrder o = order(i);
+      o.parent = o.parent < 0 ? -1 : trunk_of_[at(o.parent)];
+      if (o.angle >= 0) {
+        t.angle_q.push_back(p_.angle_q[at(o.angle)]);
+        t.angle_sign.push_back(p_.angle_sign[at(o.angle)]);
+        o.angle = int_of(t.angle_q.size()) - 1;
+      }
+      t.order.push_back(o);
+      t.constants.push_back(p_.constants[at(i)]);
+    }
+    t.nq = p_.nq;
+    t.nv = p_.nv;
+    t.slots = mark_children(t.order);
+    t_.scratch = rounded(scratch_size(int_of(t.order.size()), t.nv, t.slots, int_of(t.angle_q.size()), sizeof(double), 1));
+  }
+
+  void make_pair(int a, int b) {
+    LinkTwins::Pair t;
+    for (int i = a; i < order(a).end; ++i) {
+      NodeOrder o = order(i);
+      const NodeOrder& other = order(b + i - a);
+      o.parent = i == a ? -1 : o.parent - a;
+      if (o.angle >= 0) {
+        for (const NodeOrder* x : {&order(i), &other}) t.angle_sign.push_back(p_.angle_sign[at(x->angle)]);
+        o.angle = int_of(t.angle_q.size());
+        t.angle_q.push_back(t.nq);
+      }
+      for (int k = 0; k < coordinates_of(o.kind); ++k) t.q_of.insert(t.q_of.end(), {order(i).q + k, other.q + k});
+      for (int k = 0; k < freedoms_of(o.kind); ++k) t.v_of.insert(t.v_of.end(), {order(i).v + k, other.v + k});
+      o.q = t.nq;
+      o.v = t.nv;
+      t.nq = int_of(t.q_of.size() / 2);
+      t.nv = int_of(t.v_of.size() / 2);
+      t.order.push_back(o);
+      t.constants.push_back(side_by_side(p_.constants[at(i)], p_.constants[at(b + i - a)]));
+    }
+    t.slots = mark_children(t.order);
+    t.base = trunk_of_[at(order(a).parent)];
+    int& place = t_.trunk.order[at(t.base)].twins;
+    t.first = place < 0;
+    if (t.first) place = t_.places++;
+    t.place = place;
+    t.scratch = t_.scratch;
+    // q, v, in, out and the kernel's own
+    t_.scratch += rounded(scratch_size(int_of(t.order.size()), t.nv, t.slots, int_of(t.angle_q.size()), sizeof(double), 2));
+    t_.pairs.push_back(std::move(t));
+  }
+
+  static NodeConstants<LinkTwins::Both> side_by_side(const NodeConstants<double>& a, const NodeConstants<double>& b) {
+    NodeConstants<LinkTwins::Both> c{};
+    const auto both = [](LinkTwins::Both* to, const double* x, const double* y, int n) {
+      for (int k = 0; k < n; ++k) to[k] = {{x[k], y[k]}};
+    };
+    both(c.p, a.p, b.p, 3);
+    both(&c.sign, &a.sign, &b.sign, 1);
+    both(&c.mass, &a.mass, &b.mass, 1);
+    both(c.h, a.h, b.h, 3);
+    both(c.I, a.I, b.I, 6);
+    both(c.second, a.second, b.second, 6);
+    both(c.armature, a.armature, b.armature, 6);
+    both(c.R, a.R, b.R, 9);
+    both(&c.pitch, &a.pitch, &b.pitch, 1);
+    return c;
+  }
+  static std::size_t rounded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
+
+  const LinkProgram& p_;
+  LinkTwins& t_;
+  std::vector<char> lane_;  ///< 0: trunk
+  std::vector<int> trunk_of_;
+  std::vector<std::pair<int, int>> found_;
+};
+
+template <class Constant>
+KernelArguments<double, Constant> part_arguments(const LinkTwins::Part<Constant>& part, const KernelArguments<double>& whole) {
+  KernelArguments<double, Constant> a{};
+  a.order = part.order.data();
+  a.constants = part.constants.data();
+  a.nodes = int_of(part.order.size());
+  a.slots = part.slots;
+  a.nv = part.nv;
+  a.angle_q = part.angle_q.data();
+  a.angle_sign = part.angle_sign.data();
+  a.angles = int_of(part.angle_q.size());
+  std::ranges::copy(whole.gravity, a.gravity);
+  return a;
+}
+
+}  // namespace
+
+LinkTwins::LinkTwins(const LinkProgram& program) { Search(program, *this).run(); }
+
+TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
+  TwinArguments out;
+  out.trunk = part_arguments(trunk, whole);
+  out.trunk.q = whole.q;
+  out.trunk.v = whole.v;
+  out.trunk.in = whole.in;
+  out.trunk.out = whole.out;
+  out.trunk.scratch = whole.scratch;
+  out.trunk.stride = 1;
+  out.pair_count = int_of(pairs.size());
+  out.places = places;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Pair& p = pairs[i];
+    out.pairs[i] = {part_arguments(p, whole), p.nq, p.q_of.data(), p.v_of.data(), p.base, p.place, p.first};
+    out.pairs[i].a.scratch = whole.scratch + p.scratch;
+    out.pairs[i].a.stride = 2;
+  }
+  return out;
+}
+
+}  // namespace ugoki::dynamics
