@@ -2,14 +2,12 @@
 // The walk to a hull's extreme vertex, inline for the inner loops of Gilbert's method.
 
 #include "ugoki/collision/hull.h"
+#include "ugoki/collision/lanes_of_four.h"
 
 namespace ugoki::collision {
 
-typedef double Four __attribute__((vector_size(32)));
-typedef std::int64_t FourInts __attribute__((vector_size(32)));
-
 /// Cell of the cube of directions that d points through.
-inline std::int32_t direction_cell(const Vec3& d, std::int32_t cells) {
+static inline std::int32_t direction_cell(const Vec3& d, std::int32_t cells) {
   const double x = d.x < 0 ? -d.x : d.x, y = d.y < 0 ? -d.y : d.y, z = d.z < 0 ? -d.z : d.z;
   double u, v, m;
   std::int32_t side;
@@ -29,7 +27,7 @@ inline std::int32_t direction_cell(const Vec3& d, std::int32_t cells) {
 }
 
 /// The neighbour in `node` with the greatest d . x where that is above `least`, else `none`.
-inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d, double& least, std::int32_t none) {
+static inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d, double& least, std::int32_t none) {
   Four x, y, z, x2, y2, z2;
   __builtin_memcpy(&x, node.x, sizeof x);
   __builtin_memcpy(&y, node.y, sizeof y);
@@ -43,16 +41,17 @@ inline std::int32_t highest_of(const HullWalk::Node& node, const Vec3& d, double
   const double f01 = best[1] > best[0] ? best[1] : best[0], f23 = best[3] > best[2] ? best[3] : best[2];
   const std::int64_t l01 = best[1] > best[0] ? lane[1] : lane[0], l23 = best[3] > best[2] ? lane[3] : lane[2];
   const double f = f23 > f01 ? f23 : f01;
-  if (!(f > least)) return none;
-  least = f;
-  return node.vertex[f23 > f01 ? l23 : l01];
+  const std::int32_t vertex = node.vertex[f23 > f01 ? l23 : l01];
+  none = f > least ? vertex : none;
+  least = f > least ? f : least;
+  return none;
 }
 
 /// The same among the neighbours beyond eight.
 std::int32_t highest_of_overflow(const Hull& hull, const HullWalk::Node& node, const Vec3& d, double& least, std::int32_t none);
 
 /// find_extreme_vertex for a hull with a walk. Every step goes strictly uphill in the very numbers that are compared, so it ends.
-inline std::int32_t walk_to_extreme(const Hull& hull, const Vec3& d, std::int32_t v) {
+static inline std::int32_t walk_to_extreme(const Hull& hull, const Vec3& d, std::int32_t v) {
   const HullWalk::Node* nodes = hull.walk.nodes.data();
   if (hull.walk.scanned) {
     double f = -1e308;
@@ -68,6 +67,29 @@ inline std::int32_t walk_to_extreme(const Hull& hull, const Vec3& d, std::int32_
       next = highest_of_overflow(hull, node, d, f, next);
     if (next == v) return v;
     v = next;
+  }
+}
+
+/// The walks of two hulls, step by step together: the processor waits for neither.
+static inline void walk_both_to_extremes(const Hull& a, const Vec3& da, std::int32_t& va, const Hull& b, const Vec3& db, std::int32_t& vb) {
+  if (a.walk.scanned || b.walk.scanned) {
+    va = walk_to_extreme(a, da, va);
+    vb = walk_to_extreme(b, db, vb);
+    return;
+  }
+  const HullWalk::Node *nodes_a = a.walk.nodes.data(), *nodes_b = b.walk.nodes.data();
+  double fa = nodes_a[va].own[0] * da.x + nodes_a[va].own[1] * da.y + nodes_a[va].own[2] * da.z;
+  double fb = nodes_b[vb].own[0] * db.x + nodes_b[vb].own[1] * db.y + nodes_b[vb].own[2] * db.z;
+  for (;;) {
+    const HullWalk::Node &node_a = nodes_a[va], &node_b = nodes_b[vb];
+    std::int32_t next_a = highest_of(node_a, da, fa, va), next_b = highest_of(node_b, db, fb, vb);
+    if ((node_a.more_count | node_b.more_count) != 0) [[unlikely]] {
+      next_a = highest_of_overflow(a, node_a, da, fa, next_a);
+      next_b = highest_of_overflow(b, node_b, db, fb, next_b);
+    }
+    if (next_a == va && next_b == vb) return;
+    va = next_a;
+    vb = next_b;
   }
 }
 

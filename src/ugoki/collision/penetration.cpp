@@ -78,25 +78,23 @@ class Expansion {
     for (std::int32_t f = 0; f < polytope_.face_count(); ++f) {
       const PolytopeFace& face = polytope_.face(f);
       if (!face.alive || face.d > best_.depth + tolerance_) continue;
-      Simplex s;
-      s.count = 3;
-      for (int k = 0; k < 3; ++k) {
-        s.corner[k] = polytope_.corner(face.corner[k]);
-        s.corner[k].w -= foot;  // nearest to the foot, not to the origin
+      for (int turn = 0; turn < 3; ++turn) {  // reduce() looks at the features of the last corner
+        Simplex s;
+        s.count = 3;
+        for (int k = 0; k < 3; ++k) {
+          s.corner[k] = polytope_.corner(face.corner[(k + turn) % 3]);
+          s.corner[k].w -= foot;  // nearest to the foot, not to the origin
+        }
+        bool inside;
+        const Vec3 off = reduce(s, 0, inside);
+        if (!(dot(off, off) < least)) continue;
+        least = dot(off, off);
+        best_.on_a = {};
+        for (int k = 0; k < s.count; ++k) best_.on_a += s.corner[k].a * s.weight[k];
+        for (int k = 0; k < 3; ++k) through_[k] = polytope_.corner(face.corner[k]);
       }
-      bool inside;
-      const Vec3 off = reduce(s, 0, inside);
-      if (!(dot(off, off) < least)) continue;
-      least = dot(off, off);
-      set_point(s);
-      through_count_ = 3;
-      for (int k = 0; k < 3; ++k) through_[k] = polytope_.corner(face.corner[k]);
     }
-  }
-
-  void set_point(const Simplex& s) {
-    best_.on_a = {};
-    for (int k = 0; k < s.count; ++k) best_.on_a += s.corner[k].a * s.weight[k];
+    through_count_ = 3;
   }
 
   /// The difference has no inside: it is the point, line or plane of `count` points, and n is square on it.

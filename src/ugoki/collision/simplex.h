@@ -1,11 +1,12 @@
 #pragma once
-// Points of a simplex nearest to the origin, for Gilbert's method: each case by the signs of its barycentric coordinates, each
-// answer from differences of the corners, so that a small distance keeps its digits.
-// Source: Montanari, Petrinic, Barbieri, Improving the GJK algorithm for faster and more reliable distance queries between convex
-// objects (2017).
+// Points of a simplex nearest to the origin, for Gilbert's method: each feature by its barycentric coordinates, each answer from
+// differences of the corners, so that a small distance keeps its digits.
+// Source of the idea to trust no sign: Montanari, Petrinic, Barbieri, Improving the GJK algorithm for faster and more reliable
+// distance queries between convex objects (2017).
 
 #include <cstdint>
 
+#include "ugoki/collision/lanes_of_four.h"
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::collision {
@@ -23,125 +24,89 @@ struct Simplex {
   int count = 0;
 };
 
-struct NearestPoint {
-  Vec3 v;
-  double weight[3];
-};
-
-inline double nearest_on_segment(const Vec3& p, const Vec3& q, Vec3& v) {
-  const Vec3 e = q - p;
-  const double along = -dot(p, e), length2 = dot(e, e);
-  if (!(along > 0)) {
-    v = p;
-    return 0;
-  }
-  if (along >= length2) {
-    v = q;
-    return 1;
-  }
-  const double t = along / length2;
-  v = p + e * t;
-  v -= e * (dot(v, e) / length2);  // square on the edge, also where v is short
-  return t;
-}
-
-inline void keep_nearer(NearestPoint& best, double& best_vv, const Vec3& v, double wp, double wq, double wr) {
-  const double vv = dot(v, v);
-  if (vv < best_vv) {
-    best_vv = vv;
-    best = {v, {wp, wq, wr}};
-  }
-}
-
-/// On the triangle p, p + e, p + f with n = e x f. Keeps `best` where that is nearer.
-inline void nearest_on_triangle(const Vec3& p, const Vec3& e, const Vec3& f, const Vec3& n, NearestPoint& best, double& best_vv) {
-  const double nn = dot(n, n);
-  const Vec3 m = cross(n, p);
-  const double wr = dot(e, m), wq = -dot(f, m), wp = nn - wq - wr;
-  const bool flat = !(nn > 1e-28 * dot(e, e) * dot(f, f));
-  if (!flat && wp >= 0 && wq >= 0 && wr >= 0) {
-    const double s = 1 / nn;
-    keep_nearer(best, best_vv, n * (dot(n, p) * s), wp * s, wq * s, wr * s);
-    return;
-  }
-  Vec3 v;
-  const Vec3 q = p + e, r = p + f;
-  if (flat || wr < 0) {
-    const double t = nearest_on_segment(p, q, v);
-    keep_nearer(best, best_vv, v, 1 - t, t, 0);
-  }
-  if (flat || wq < 0) {
-    const double t = nearest_on_segment(p, r, v);
-    keep_nearer(best, best_vv, v, 1 - t, 0, t);
-  }
-  if (flat || wp < 0) {
-    const double t = nearest_on_segment(q, r, v);
-    keep_nearer(best, best_vv, v, 0, 1 - t, t);
-  }
-}
-
-/// Reduces the simplex to the corners that span its point nearest to the origin, which is returned.
+/// Reduces the simplex to the corners that span its point nearest to the origin, which is returned: the nearest of all its features
+/// that hold the newest corner, which is the last (when the rest had been reduced before, no other can be nearer). All are
+/// computed side by side and the nearest is taken: nothing hangs on the sign of a volume that rounding may have made.
 /// @param noise length below which the origin's distance from a plane is not known
-/// @param inside [out] the origin lies in the tetrahedron
-inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
+/// @param inside [out] the origin lies in the tetrahedron; the weights then make the origin
+static inline Vec3 reduce(Simplex& s, double noise, bool& inside) {
   inside = false;
-  double best_vv = 1e300;
-  NearestPoint best{};
-  int from[3] = {0, 1, 2};
-  if (s.count == 1) {
+  const int last = s.count - 1;
+  const Vec3 p = s.corner[last].w;
+  if (last == 0) {
     s.weight[0] = 1;
-    return s.corner[0].w;
+    return p;
   }
-  if (s.count == 2) {
-    const double t = nearest_on_segment(s.corner[0].w, s.corner[1].w, best.v);
-    best.weight[0] = 1 - t;
-    best.weight[1] = t;
-  } else if (s.count == 3) {
-    const Vec3 &p = s.corner[2].w, e = s.corner[0].w - p, f = s.corner[1].w - p;
-    nearest_on_triangle(p, e, f, cross(e, f), best, best_vv);
-    from[0] = 2, from[1] = 0, from[2] = 1;
-  } else {
-    // The newest corner is the last; the origin is known to be on its side of the other three.
-    const Vec3& p = s.corner[3].w;
-    const Vec3 e[3] = {s.corner[0].w - p, s.corner[1].w - p, s.corner[2].w - p};
-    const Vec3 n[3] = {cross(e[0], e[1]), cross(e[1], e[2]), cross(e[2], e[0])};
-    const double volume = dot(n[0], e[2]);
-    bool out[3];
-    bool any = false;
-    for (int k = 0; k < 3; ++k) {
-      const double height = dot(n[k], p);
-      out[k] = height * volume >= 0 || height * height <= noise * noise * dot(n[k], n[k]);
-      any = any || out[k];
-    }
-    if (!any) {
+  // Lane k: edge e from p to corner k, and the face between it and the next edge f. Missing corners repeat others.
+  const int index[4] = {0, last > 1 ? 1 : 0, last > 2 ? 2 : last > 1 ? 1 : 0, 0};
+  const Vec3 e0 = s.corner[index[0]].w - p, e1 = s.corner[index[1]].w - p, e2 = s.corner[index[2]].w - p;
+  const Four ex = {e0.x, e1.x, e2.x, e0.x}, ey = {e0.y, e1.y, e2.y, e0.y}, ez = {e0.z, e1.z, e2.z, e0.z};
+  const Four fx = {e1.x, e2.x, e0.x, e1.x}, fy = {e1.y, e2.y, e0.y, e1.y}, fz = {e1.z, e2.z, e0.z, e1.z};
+  const Four nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
+  const Four nn = nx * nx + ny * ny + nz * nz, height = nx * p.x + ny * p.y + nz * p.z;
+  if (last == 3) {
+    const double volume = nx[0] * e2.x + ny[0] * e2.y + nz[0] * e2.z;
+    const Four side = height * volume, known = height * height - noise * noise * nn;
+    if (side[0] < 0 && side[1] < 0 && side[2] < 0 && known[0] > 0 && known[1] > 0 && known[2] > 0) {
       inside = true;
-      s.weight[3] = 1;
-      for (int k = 0; k < 3; ++k) {
-        const int opposite = k == 0 ? 2 : k - 1;
-        s.weight[opposite] = -dot(n[k], p) / volume;
-        s.weight[3] -= s.weight[opposite];
-      }
+      s.weight[2] = -height[0] / volume;
+      s.weight[0] = -height[1] / volume;
+      s.weight[1] = -height[2] / volume;
+      s.weight[3] = 1 - s.weight[0] - s.weight[1] - s.weight[2];
       return {};
     }
-    int face = 0;
-    for (int k = 0; k < 3; ++k)
-      if (out[k]) {
-        const double before = best_vv;
-        nearest_on_triangle(p, e[k], e[k == 2 ? 0 : k + 1], n[k], best, best_vv);
-        if (best_vv < before) face = k;
-      }
-    from[0] = 3, from[1] = face, from[2] = face == 2 ? 0 : face + 1;
   }
-  Corner kept[3];
-  int count = 0;
-  for (int k = 0; k < (s.count == 2 ? 2 : 3); ++k)
-    if (best.weight[k] > 0) {
-      s.weight[count] = best.weight[k];
-      kept[count++] = s.corner[from[k]];
+  // Faces: barycentric weights times n . n.
+  const Four mx = ny * p.z - nz * p.y, my = nz * p.x - nx * p.z, mz = nx * p.y - ny * p.x;
+  const Four wr = ex * mx + ey * my + ez * mz, wq = -(fx * mx + fy * my + fz * mz), wp = nn - wq - wr;
+  const Four ee = ex * ex + ey * ey + ez * ez, ff = fx * fx + fy * fy + fz * fz;
+  const Four none = {1e300, 1e300, 1e300, 1e300}, zero = {0, 0, 0, 0}, one = {1, 1, 1, 1};
+  const Four scale = one / nn;
+  const Four least = wp < wq ? (wp < wr ? wp : wr) : (wq < wr ? wq : wr);
+  Four face_vv = height * height * scale;
+  face_vv = least >= zero ? face_vv : none;
+  face_vv = nn > 1e-28 * ee * ff ? face_vv : none;
+  // Edges.
+  const Four along = -(ex * p.x + ey * p.y + ez * p.z);
+  Four t = along / ee;
+  t = along > zero ? t : zero;
+  t = along < ee ? t : (along > zero ? one : zero);
+  const Four px = p.x + ex * t, py = p.y + ey * t, pz = p.z + ez * t;
+  const Four edge_vv = px * px + py * py + pz * pz;
+  const Four vv = face_vv < edge_vv ? face_vv : edge_vv;
+  const int k01 = vv[1] < vv[0] ? 1 : 0, k = vv[2] < vv[k01] ? 2 : k01;
+
+  const Corner newest = s.corner[last], q = s.corner[index[k]];
+  Vec3 v;
+  if (face_vv[k] < edge_vv[k]) {
+    const Corner r = s.corner[index[k == 2 ? 0 : k + 1]];
+    v = Vec3{nx[k], ny[k], nz[k]} * (height[k] * scale[k]);
+    const double weight[3] = {wp[k] * scale[k], wq[k] * scale[k], wr[k] * scale[k]};
+    s.corner[0] = q;
+    s.corner[1] = r;
+    s.corner[2] = newest;
+    s.weight[0] = weight[1];
+    s.weight[1] = weight[2];
+    s.weight[2] = weight[0];
+    s.count = 3;
+    return v;
+  }
+  v = {px[k], py[k], pz[k]};
+  const double w = t[k];
+  s.count = 0;
+  if (w > 0) {
+    s.corner[s.count] = q;
+    s.weight[s.count++] = w;
+  }
+  if (w < 1) {
+    if (w > 0) {  // square on the edge, also where v is short
+      const Vec3 e{ex[k], ey[k], ez[k]};
+      v -= e * (dot(v, e) / ee[k]);
     }
-  for (int k = 0; k < count; ++k) s.corner[k] = kept[k];
-  s.count = count;
-  return best.v;
+    s.corner[s.count] = newest;
+    s.weight[s.count++] = 1 - w;
+  }
+  return v;
 }
 
 }  // namespace ugoki::collision

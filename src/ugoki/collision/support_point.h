@@ -9,7 +9,7 @@
 namespace ugoki::collision {
 
 /// Point of a cylinder's flat disc of radius r that lies farthest along (x, y).
-inline void support_of_disc(double r, double x, double y, double& px, double& py) {
+static inline void support_of_disc(double r, double x, double y, double& px, double& py) {
   const double big = std::fmax(std::fabs(x), std::fabs(y));
   if (!(big > 1e-300)) {
     px = r, py = 0;
@@ -19,7 +19,7 @@ inline void support_of_disc(double r, double x, double y, double& px, double& py
   px = u * s, py = v * s;
 }
 
-inline SupportPoint support_point(const Support& s, const Vec3& d, std::int32_t hint) {
+static inline SupportPoint support_point(const Support& s, const Vec3& d, std::int32_t hint) {
   const Vec3& h = s.size;
   switch (s.kind) {
     case SupportKind::segment: return {{0, 0, d.z >= 0 ? h.z : -h.z}, d.z >= 0 ? 1 : 0};
@@ -50,7 +50,7 @@ inline SupportPoint support_point(const Support& s, const Vec3& d, std::int32_t 
 }
 
 /// Corner `vertex` of a polytope, as support_point names them; false where there is none such (curved, or a foreign index).
-inline bool corner_of(const Support& s, std::int32_t vertex, Vec3& p) {
+static inline bool corner_of(const Support& s, std::int32_t vertex, Vec3& p) {
   const Vec3& h = s.size;
   switch (s.kind) {
     case SupportKind::point: p = {}; return vertex == 0;
