@@ -36,8 +36,9 @@ Result<std::optional<SideFile>> loops_beside(const std::string& path) {
 void add_robot_options(CLI::App& verb, RobotChoice& choice) {
   verb.add_option("--base", choice.base, "Of a URDF, SDF or MJCF: fixed to the world or floating (otherwise as the file says)")
       ->check(CLI::IsMember({"fixed", "floating"}));
-  verb.add_option("--meshes", choice.meshes, "Meshes that collide: the box around each, demanded, or left out (otherwise box)")
-      ->check(CLI::IsMember({"box", "require", "none"}));
+  verb.add_option("--meshes", choice.meshes, "Meshes: their exact surface, convex hull, the box around them, or left out (otherwise hull)")
+      ->check(CLI::IsMember({"exact", "hull", "box", "none"}));
+  verb.add_flag("--require-meshes", choice.require_meshes, "A mesh that collides and is missing or unusable is an error, not a note");
   verb.add_option("--inertias", choice.inertias, "Inertias that no body can have: repaired or refused (otherwise repair)")
       ->check(CLI::IsMember({"repair", "strict"}));
   verb.add_option("--loops", choice.loops, "YAML file that names the loops of a URDF or SDF (otherwise NAME.yaml beside it)");
@@ -46,7 +47,11 @@ void add_robot_options(CLI::App& verb, RobotChoice& choice) {
 Result<RobotOptions> robot_options(const std::string& path, const RobotChoice& choice) {
   RobotOptions out;
   out.base = choice.base == "fixed" ? Base::fixed : choice.base == "floating" ? Base::floating : Base::by_file;
-  out.meshes = choice.meshes == "require" ? Meshes::require : choice.meshes == "none" ? Meshes::none : Meshes::box;
+  out.meshes = choice.meshes == "exact"  ? Meshes::exact
+               : choice.meshes == "box"  ? Meshes::box
+               : choice.meshes == "none" ? Meshes::none
+                                         : Meshes::hull;
+  out.require_meshes = choice.require_meshes;
   out.inertias = choice.inertias == "strict" ? Inertias::strict : Inertias::repair;
   out.read_asset = read_asset;
   if (!choice.loops.empty()) {

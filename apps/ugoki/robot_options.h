@@ -12,10 +12,11 @@ namespace ugoki::cli {
 
 struct RobotChoice {
   std::string base, meshes, inertias;  ///< words of the options; empty: not given
-  std::string loops;                   ///< path of the YAML file; empty: the one of the same name beside the file, if it names loops
+  bool require_meshes = false;
+  std::string loops;  ///< path of the YAML file; empty: the one of the same name beside the file, if it names loops
 };
 
-/// --base, --meshes, --inertias, --loops.
+/// --base, --meshes, --require-meshes, --inertias, --loops.
 void add_robot_options(CLI::App& verb, RobotChoice& choice);
 
 /// The reader's options for the file; meshes are read from disk. Errors: the loops file cannot be read.

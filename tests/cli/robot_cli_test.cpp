@@ -95,10 +95,10 @@ TEST_F(RobotCliTest, OptionsReachTheReader) {
   const Output strict = ugoki({"info", file, "--inertias", "strict"});
   EXPECT_EQ(strict.status, 1);
   EXPECT_NE(strict.err.find("r.urdf:1: no body has"), std::string::npos) << strict.err;
-  EXPECT_EQ(ugoki({"info", file, "--meshes", "require"}).status, 1);
+  EXPECT_EQ(ugoki({"info", file, "--require-meshes"}).status, 1);
   EXPECT_EQ(ugoki({"info", file, "--base", "loose"}).status, 2);
   write("r/meshes/a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n");
-  EXPECT_EQ(json({"info", file, "--meshes", "require"})["links"][0]["shapes"], 1);
+  EXPECT_EQ(json({"info", file, "--require-meshes"})["links"][0]["shapes"], 1);
   EXPECT_EQ(json({"info", file, "--meshes", "none"})["links"][0]["shapes"], 0);
 }
 

@@ -28,7 +28,7 @@ std::vector<std::string> parts_of(std::string_view text) {
 void fuzz_mjcf(const std::uint8_t* data, std::size_t size) {
   const std::vector<std::string> parts = parts_of({reinterpret_cast<const char*>(data), size});
   RobotOptions options;
-  options.meshes = size % 3 == 0 ? Meshes::none : Meshes::box;
+  options.meshes = size % 3 == 0 ? Meshes::none : size % 3 == 1 ? Meshes::exact : Meshes::hull;
   options.base = size % 5 == 0 ? Base::floating : Base::by_file;
   options.inertias = size % 2 == 0 ? Inertias::strict : Inertias::repair;
   options.read_asset = [&](const std::string& path) -> Result<std::string> {

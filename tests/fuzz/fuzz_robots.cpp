@@ -36,7 +36,8 @@ void check_error(const Error& error) {
 void fuzz_robot(Reader read, const std::uint8_t* data, std::size_t size) {
   const std::vector<std::string> parts = parts_of({reinterpret_cast<const char*>(data), size});
   RobotOptions options;
-  options.meshes = size % 3 == 0 ? Meshes::require : Meshes::box;
+  options.meshes = size % 4 == 0 ? Meshes::exact : size % 4 == 1 ? Meshes::hull : size % 4 == 2 ? Meshes::box : Meshes::none;
+  options.require_meshes = size % 3 == 0;
   options.base = size % 5 == 0 ? Base::floating : size % 5 == 1 ? Base::fixed : Base::by_file;
   options.inertias = size % 7 == 0 ? Inertias::strict : Inertias::repair;
   if (parts.size() > 1) options.loops = SideFile{"fuzz.yaml", parts[1]};

@@ -186,26 +186,15 @@ TEST(Urdf, Shapes) {
   EXPECT_TRUE(box.collides && box.visible);
   EXPECT_EQ(shape("<sphere radius='0.5'/>").radius, 0.5);
   const Shape rod = shape("<cylinder radius='0.1' length='1'/>");
-  EXPECT_EQ(rod.type, ShapeType::capsule);
-  EXPECT_EQ(rod.half_length, 0.4);
-  const Shape disc = shape("<cylinder radius='0.1' length='0.02'/>");
-  EXPECT_EQ(disc.type, ShapeType::box);
-  EXPECT_NEAR(volume(disc), pi * 0.01 * 0.02, 1e-15);
+  EXPECT_EQ(rod.type, ShapeType::cylinder);
+  EXPECT_EQ(rod.radius, 0.1);
+  EXPECT_EQ(rod.half_length, 0.5);
   // Seen only, where nothing collides.
   const RobotModel seen = read(robot(link("a", std::string(a_mass) + "<visual><geometry><box size='1 1 1'/></geometry></visual>")));
   EXPECT_FALSE(seen.mechanism->link(0).shapes.at(0).collides);
 }
 
-TEST(Urdf, AWheelRolls) {
-  const RobotModel m = read(robot(link("a") +
-                                  link("wheel", std::string(a_mass) + "<collision><origin rpy='1.5707963267948966 0 0'/><geometry>"
-                                                                      "<cylinder radius='0.3' length='0.1'/></geometry></collision>") +
-                                  joint("j", "continuous", "a", "wheel", "<axis xyz='0 1 0'/>")));
-  EXPECT_EQ(m.mechanism->link(1).shapes.at(0).type, ShapeType::sphere);
-  EXPECT_TRUE(has_note(m, "wheel"));
-}
-
-TEST(Urdf, MeshesAreBoxesDemandedOrLeftOut) {
+TEST(Urdf, MeshesAreHullsSurfacesBoxesDemandedOrLeftOut) {
   const std::string text = robot(
       link("a", std::string(a_mass) + "<collision><geometry><mesh filename='package://p/m.obj' scale='2 2 -2'/></geometry></collision>"));
   RobotOptions options{.base = Base::fixed};
@@ -213,15 +202,23 @@ TEST(Urdf, MeshesAreBoxesDemandedOrLeftOut) {
     if (path == "p/m.obj") return "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\n";
     return fail(ErrorCode::io, path, "not there.");
   };
+  const Shape hull = read(text, options).mechanism->link(0).shapes.at(0);
+  ASSERT_EQ(hull.type, ShapeType::mesh);
+  EXPECT_TRUE(hull.geometry->convex && hull.geometry->prepared != nullptr);
+  EXPECT_EQ(hull.geometry->triangles.size(), 4u);
+  EXPECT_NEAR(volume(hull), 2 * 4 * 6 / 6.0, 1e-12);  // mirrored, and still not inside out
+  options.meshes = Meshes::box;
   const RobotModel m = read(text, options);
   expect_near(m.mechanism->link(0).shapes.at(0).half_extents, {1, 2, 3});
   expect_near(m.mechanism->link(0).shapes.at(0).X_BS.p, {1, 2, -3});
+  options.meshes = Meshes::exact;  // points without faces
+  EXPECT_TRUE(read(text, options).mechanism->link(0).shapes.at(0).geometry->convex);
   options.meshes = Meshes::none;
   EXPECT_TRUE(read(text, options).mechanism->link(0).shapes.empty());
   options.read_asset = {};
   options.meshes = Meshes::box;
   EXPECT_TRUE(has_note(read(text, options), "not there"));
-  options.meshes = Meshes::require;
+  options.require_meshes = true;
   const Result<RobotModel> required = read_urdf(text, "r.urdf", options);
   ASSERT_FALSE(required);
   EXPECT_NE(required.error().text().find("r.urdf:2: the mesh 'package://p/m.obj' is not there"), std::string::npos);

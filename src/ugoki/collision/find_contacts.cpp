@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "ugoki/base/check.h"
-#include "ugoki/collision/manifold.h"
 #include "ugoki/collision/scene.h"
 
 namespace ugoki::collision {
@@ -14,20 +13,22 @@ std::uint64_t make_key(std::uint64_t a, std::uint64_t b, std::uint32_t feature) 
 /// Row z of a rotation: world heights of directions given in the link's frame.
 Vec3 heights(const Mat3& R) { return {R.zx, R.zy, R.zz}; }
 
-/// Height of the lowest point of a shape, without its whole pose.
-double lowest_height(const Shape& s, double centre, const Vec3& up_B) {
+/// Height of the lowest point of a shape, without its whole pose; of a mesh or height field that of a box around it.
+double lowest_height(const SceneShape& shape, double origin, const Vec3& up_B) {
+  const Shape& s = shape.shape;
   const Vec3 up = transpose_times(s.X_BS.R, up_B);
+  const Vec3& h = shape.half;
   switch (s.type) {
-    case ShapeType::sphere: return centre - s.radius;
-    case ShapeType::capsule: return centre - s.radius - s.half_length * std::fabs(up.z);
-    case ShapeType::box:
-      return centre - s.half_extents.x * std::fabs(up.x) - s.half_extents.y * std::fabs(up.y) - s.half_extents.z * std::fabs(up.z);
+    case ShapeType::sphere: return origin - s.radius;
+    case ShapeType::capsule: return origin - s.radius - s.half_length * std::fabs(up.z);
     case ShapeType::cylinder:
-    case ShapeType::ellipsoid:
+    case ShapeType::ellipsoid: return origin - reach(s, -up);
+    case ShapeType::box:
     case ShapeType::mesh:
-    case ShapeType::height_field: return centre - reach(s, -up);
+    case ShapeType::height_field:
+      return origin + dot(up, shape.centre) - (h.x * std::fabs(up.x) + h.y * std::fabs(up.y) + h.z * std::fabs(up.z));
   }
-  return centre;
+  return origin;
 }
 
 struct Search {
@@ -68,10 +69,10 @@ struct Search {
       const SceneShape& s = shapes[i];
       const Pose& X = link_pose(s);
       const Vec3 up = heights(X.R);
-      const double centre = dot(up, s.shape.X_BS.p) + X.p.z;
-      if (!(centre - s.bound < limit) || !s.movable) continue;
-      if (!(lowest_height(s.shape, centre, up) < limit)) continue;
-      find_ground_manifold(s.shape, X * s.shape.X_BS, height, margin, manifold);
+      const double origin = dot(up, s.shape.X_BS.p) + X.p.z;
+      if (!(origin - s.reach < limit) || !s.movable) continue;
+      if (!(lowest_height(s, origin, up) < limit)) continue;
+      find_ground_manifold(s, X * s.shape.X_BS, height, margin, work.lowest[i], work.manifold, manifold);
       add(s, i, nullptr, ground_index, s.ground_friction, s.ground_restitution);
     }
   }
@@ -85,7 +86,12 @@ struct Search {
 
   void pair(std::size_t i, std::size_t j) {
     const SceneShape &a = scene.shapes()[i], &b = scene.shapes()[j];
-    find_manifold(a.shape, work.poses[i], b.shape, work.poses[j], margin, manifold);
+    if (is_simple(a.shape.type) && is_simple(b.shape.type)) {
+      find_manifold(a.shape, work.poses[i], b.shape, work.poses[j], margin, manifold);
+    } else {
+      GilbertCache& cache = work.pairs.at(make_key(i, j, 1));
+      find_manifold(a, work.poses[i], b, work.poses[j], margin, cache, work.manifold, manifold);
+    }
     if (manifold.count == 0) return;
     add(a, i, &b, j, std::sqrt(a.shape.friction * b.shape.friction), std::max(a.shape.restitution, b.shape.restitution));
   }
@@ -97,7 +103,7 @@ struct Search {
       const auto end = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s) + 1));
       for (auto i = static_cast<std::size_t>(scene.first_shape(static_cast<int>(s))); i < end; ++i) {
         work.poses[i] = link_pose(shapes[i]) * shapes[i].shape.X_BS;
-        const Vec3 c = work.poses[i].p;
+        const Vec3 c = work.poses[i] * shapes[i].centre;
         const double r = shapes[i].bound;
         work.balls[i] = {c, r};
         low = {std::min(low.x, c.x - r), std::min(low.y, c.y - r), std::min(low.z, c.z - r)};
@@ -152,6 +158,11 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
   if (work.balls.size() < scene.shapes().size()) {
     work.balls.resize(scene.shapes().size());
     work.poses.resize(scene.shapes().size());
+  }
+  if (work.scene != scene.id()) {
+    work.scene = scene.id();
+    work.pairs.clear();
+    work.lowest.assign(scene.shapes().size(), 0);
   }
   if (work.extents.size() < X_WB.size()) work.extents.resize(X_WB.size());
   out.clear();

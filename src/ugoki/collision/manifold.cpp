@@ -92,7 +92,7 @@ void add_round_box(const Round& world, const Box& box, bool flip, double margin,
 
 void find_manifold(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT, double margin, Manifold& out) {
   out.count = 0;
-  if (a.type > ShapeType::box || b.type > ShapeType::box) return;
+  if (!is_simple(a.type) || !is_simple(b.type)) return;
   const bool box_a = a.type == ShapeType::box, box_b = b.type == ShapeType::box;
   if (box_a && box_b) return add_box_box({X_WS, a.half_extents}, {X_WT, b.half_extents}, margin, out);
   if (box_b) return add_round_box(make_round(a, X_WS), {X_WT, b.half_extents}, false, margin, out);

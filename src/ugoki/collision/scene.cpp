@@ -1,6 +1,7 @@
 #include "ugoki/collision/scene.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "ugoki/base/check.h"
@@ -64,6 +65,8 @@ struct Bodies {
 
 Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const SceneOptions& options)
     : systems_(std::move(systems)), ground_(ground), options_(options) {
+  static std::atomic<std::uint64_t> scenes{0};
+  id_ = ++scenes;
   for (std::size_t s = 0; s < systems_.size(); ++s) {
     const Mechanism& m = *systems_[s];
     const Bodies bodies(m);
@@ -72,11 +75,9 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
     for (int i = 0; i < m.link_count(); ++i) {
       for (const Shape& shape : m.link(i).shapes) {
         if (!shape.collides) continue;
-        SceneShape& out = shapes_.emplace_back();
-        out.shape = shape;
+        SceneShape& out = shapes_.emplace_back(SceneShape{make_collider(shape)});
         out.system = static_cast<int>(s);
         out.link = i;
-        out.bound = bounding_radius(shape);
         out.movable = bodies.body[static_cast<std::size_t>(i)] >= 0;
         out.ground_friction = std::sqrt(shape.friction * ground.friction);
         out.ground_restitution = std::max(shape.restitution, ground.restitution);
@@ -91,7 +92,7 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
       for (std::size_t j = i + 1; j < shapes_.size(); ++j) {
         const SceneShape &a = shapes_[i], &b = shapes_[j];
         if (bodies.adjacent(a.link, b.link)) continue;
-        const double d = distance(a.shape, X_WB[static_cast<std::size_t>(a.link)], b.shape, X_WB[static_cast<std::size_t>(b.link)]);
+        const double d = distance(a, X_WB[static_cast<std::size_t>(a.link)], b, X_WB[static_cast<std::size_t>(b.link)]);
         if (d > 1e-9) pairs.push_back({static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)});
       }
     }

@@ -5,7 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "ugoki/collision/contact_manifold.h"
 #include "ugoki/collision/contact_point.h"
+#include "ugoki/collision/pair_table.h"
 #include "ugoki/mechanism/mechanism.h"
 
 namespace ugoki::collision {
@@ -17,10 +19,8 @@ struct SceneOptions {
 };
 
 /// A shape that collides, as it runs.
-struct SceneShape {
-  Shape shape;
+struct SceneShape : Collider {
   int system = 0, link = 0;
-  double bound = 0;                                    ///< m: radius of the sphere about the shape's centre that holds it
   bool movable = true;                                 ///< false: no joint between it and the world moves
   double ground_friction = 0, ground_restitution = 0;  ///< of the pair with the ground
 };
@@ -50,6 +50,8 @@ class Scene {
   [[nodiscard]] std::span<const ShapePair> self_pairs(int system) const { return self_pairs_[static_cast<std::size_t>(system)]; }
   [[nodiscard]] bool self_collision(int system) const { return self_on_[static_cast<std::size_t>(system)] != 0; }
   void set_self_collision(int system, bool on) { self_on_[static_cast<std::size_t>(system)] = on ? 1 : 0; }
+  /// Another for every scene that was made, the same for its copies.
+  [[nodiscard]] std::uint64_t id() const { return id_; }
 
  private:
   std::vector<MechanismPtr> systems_;
@@ -59,6 +61,7 @@ class Scene {
   std::vector<int> first_shape_;                    // [systems + 1]
   std::vector<std::vector<ShapePair>> self_pairs_;  // [systems]
   std::vector<std::uint8_t> self_on_;               // [systems]
+  std::uint64_t id_ = 0;
 };
 
 /// Scratch memory of find_contacts; one for each thread. Any scene may use it; it grows to the largest.
@@ -70,9 +73,13 @@ struct Workspace {
   struct Extent {
     Vec3 low, high;
   };
-  std::vector<Ball> balls;      ///< [shapes] bounding spheres in the world
-  std::vector<Pose> poses;      ///< [shapes] X_WS
-  std::vector<Extent> extents;  ///< [systems] boxes along the world's axes that hold all balls of a system
+  std::vector<Ball> balls;           ///< [shapes] bounding spheres in the world
+  std::vector<Pose> poses;           ///< [shapes] X_WS
+  std::vector<Extent> extents;       ///< [systems] boxes along the world's axes that hold all balls of a system
+  PairTable pairs;                   ///< by pair of shapes: where the last search ended
+  std::vector<std::int32_t> lowest;  ///< [shapes] vertex of the hull that was nearest to the ground
+  std::uint64_t scene = 0;           ///< to which `pairs` and `lowest` belong
+  ManifoldWorkspace manifold;
 
   Workspace() = default;
   explicit Workspace(const Scene& scene);
@@ -80,15 +87,18 @@ struct Workspace {
 
 /// All contact points with a distance below `margin`, in an order that depends only on the scene: ground contacts by
 /// shape, pairs inside each system, pairs between systems.
-///   points of a pair: sphere with anything 1; capsule with ground, capsule or box up to 2; box with ground every corner
-///   within the margin; box with box up to 4.
-/// The least distance of a pair is the true distance between the two shapes (overlapping boxes: to 1e-4 of the smallest
-/// half extent, because faces are preferred to edges), unless it is above the margin.
+///   points of a pair: sphere or ellipsoid with anything convex 1; capsule with ground, capsule or box up to 2; box with ground
+///   every corner within the margin; other convex shapes with each other up to 4; with the ground up to 6; what is not
+///   convex up to 16.
+/// The least distance of a pair is the true distance between the two shapes (boxes that overlap, cylinders and meshes: to 1e-4 of
+/// the least half extent, because faces are preferred to edges), unless it is above the margin. Surfaces of triangles that
+/// pierce each other: see surface_manifold.h.
 /// Shapes at poses that are not finite have no contacts.
 /// @param X_WB [systems][links] m, world
 /// @param margin m, may be negative
 /// @param out cleared and filled; keeps its memory
-/// No allocation after the first call with the same workspace and out, unless the number of contacts between shapes grows.
+/// No allocation after the first calls with the same workspace and out, unless pairs come near that were not, or contacts grow in
+/// number.
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& workspace,
                    std::vector<ContactPoint>& out);
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/mechanism_json_geometry.h"
 #include "ugoki/formats/text.h"
 #include "ugoki/json/fields.h"
 
@@ -122,19 +123,31 @@ void read_inertia(Fields& f, Inertia& out) {
 }
 
 std::optional<ShapeType> shape_type_named(std::string_view word) {
-  if (word == "sphere") return ShapeType::sphere;
-  if (word == "capsule") return ShapeType::capsule;
-  if (word == "box") return ShapeType::box;
-  if (word == "cylinder") return ShapeType::cylinder;
-  if (word == "ellipsoid") return ShapeType::ellipsoid;
+  for (const ShapeType type : {ShapeType::sphere, ShapeType::capsule, ShapeType::box, ShapeType::cylinder, ShapeType::ellipsoid,
+                               ShapeType::mesh, ShapeType::height_field})
+    if (word == name_of(type)) return type;
   return std::nullopt;
 }
 
-void read_shape(Fields& f, Shape& out) {
-  read_type(f, out.type, shape_type_named, "shape", "sphere, capsule, box, cylinder and ellipsoid");
+/// The entry of the table that the field `key` names; null, with a problem, where there is none.
+template <class Ptr>
+Ptr read_surface(Fields& f, std::string_view key, const char* table_name, const std::map<std::string, Ptr, std::less<>>& table) {
+  if (!f.has(key)) return nullptr;
+  std::string name;
+  f.text(key, name);
+  if (const auto it = table.find(name); it != table.end()) return it->second;
+  f.report(ErrorCode::unknown, f.path(key), "Nothing in \"" + std::string(table_name) + "\" has the name " + in_quotes(name) + ".",
+           "Add it there, or correct the name.");
+  return nullptr;
+}
+
+void read_shape(Fields& f, const SurfaceTables& surfaces, Shape& out) {
+  read_type(f, out.type, shape_type_named, "shape", "sphere, capsule, box, cylinder, ellipsoid, mesh and height_field");
   f.number("radius", out.radius);
   f.number("half_length", out.half_length);
   read_vector(f, "half_extents", out.half_extents);
+  out.geometry = read_surface(f, "geometry", "geometries", surfaces.geometries);
+  out.field = read_surface(f, "height_field", "height_fields", surfaces.height_fields);
   read_pose(f, out.X_BS);
   f.number("friction", out.friction);
   f.number("restitution", out.restitution);
@@ -142,13 +155,13 @@ void read_shape(Fields& f, Shape& out) {
   f.boolean("visible", out.visible);
 }
 
-void read_link(Fields& f, LinkSpec& out) {
+void read_link(Fields& f, const SurfaceTables& surfaces, LinkSpec& out) {
   f.text("name", out.name);
   f.text("label", out.label);
   f.text("parent", out.parent);
   read_object(f, "joint", [&](Fields& g) { read_joint(g, out.joint); });
   read_object(f, "inertia", [&](Fields& g) { read_inertia(g, out.inertia); });
-  read_list(f, "shapes", most_entries, [&](Fields& g, std::size_t) { read_shape(g, out.shapes.emplace_back()); });
+  read_list(f, "shapes", most_entries, [&](Fields& g, std::size_t) { read_shape(g, surfaces, out.shapes.emplace_back()); });
   read_object(f, "virtual", [&](Fields& g) {
     g.text("real", out.real);
     read_pose(g, out.X_RV);
@@ -190,7 +203,8 @@ MechanismSpec read_document(Fields& f) {
     f.report(ErrorCode::unsupported, f.path("version"), "This version of the format is not known.", "Use version 1, or a newer Ugoki.");
   f.text("name", spec.name);
   f.require("links", "\"links\": [ ... ]");
-  read_list(f, "links", most_entries, [&](Fields& g, std::size_t) { read_link(g, spec.links.emplace_back()); });
+  const SurfaceTables surfaces = read_surfaces(f);
+  read_list(f, "links", most_entries, [&](Fields& g, std::size_t) { read_link(g, surfaces, spec.links.emplace_back()); });
   read_list(f, "loops", most_entries, [&](Fields& g, std::size_t) { read_loop(g, spec.loops.emplace_back()); });
   f.refuse_others();
   return spec;

@@ -3,6 +3,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/mechanism_json_geometry.h"
 
 namespace ugoki::formats {
 namespace {
@@ -115,6 +116,8 @@ std::string shape_text(const Shape& s) {
   m.add_unless("radius", s.radius, standard.radius);
   m.add_unless("half_length", s.half_length, standard.half_length);
   m.add_unless("half_extents", s.half_extents, standard.half_extents);
+  if (s.geometry) m.add("geometry", text_of(surface_name(s.geometry->hash)));
+  if (s.field) m.add("height_field", text_of(surface_name(s.field->hash)));
   m.add_pose(s.X_BS);
   m.add_unless("friction", s.friction, standard.friction);
   m.add_unless("restitution", s.restitution, standard.restitution);
@@ -188,7 +191,7 @@ std::string write_mechanism(const Mechanism& mechanism) {
     }
     out += "\n  ]";
   }
-  return out + "\n}\n";
+  return out + surfaces_text(spec) + "\n}\n";
 }
 
 }  // namespace ugoki::formats

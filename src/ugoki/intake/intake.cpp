@@ -4,9 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "ugoki/base/number.h"
+#include "ugoki/capture/capture.h"
 #include "ugoki/formats/bvh.h"
+#include "ugoki/formats/c3d.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
+#include "ugoki/formats/trc.h"
+#include "ugoki/geometry/prepare.h"
 #include "ugoki/robot_formats/robot_file.h"
 
 namespace ugoki::intake {
@@ -102,11 +106,27 @@ Result<Intake> from_measured(MeasuredMotion measured, formats::ReadNotes notes, 
   return out;
 }
 
+/// A recording of markers: solved first. What was done and how well it fits is reported.
+Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes notes, std::string_view file_name,
+                            const IntakeOptions& options) {
+  if (!markers) return fail(std::move(markers.error()));
+  Result<capture::Capture> solved = capture::solve_markers(*markers);
+  if (!solved) return fail(std::move(solved.error()));
+  notes.remarks.insert(notes.remarks.end(), solved->report.begin(), solved->report.end());
+  const auto worst =
+      std::max_element(solved->residuals.begin(), solved->residuals.end(), [](const auto& a, const auto& b) { return a.rms < b.rms; });
+  if (worst != solved->residuals.end())
+    notes.remarks.push_back("The worst marker is " + worst->label + " with " + to_fixed(1000 * worst->rms, 1) + " mm rms, at most " +
+                            to_fixed(1000 * worst->greatest, 1) + " mm in frame " + std::to_string(worst->worst_frame) + ".");
+  return from_measured(std::move(solved->measured), std::move(notes), file_name, options);
+}
+
 /// The file holds a mechanism and no motion.
 Result<Intake> from_mechanism(Result<MechanismPtr> mechanism, std::string_view file_name, const IntakeOptions& options) {
   if (!mechanism) return fail(std::move(mechanism.error()));
   const std::string name = !options.name.empty() ? options.name : !(*mechanism)->name().empty() ? (*mechanism)->name() : stem_of(file_name);
   if ((*mechanism)->name() != name) mechanism = renamed(**mechanism, name);
+  if (mechanism) mechanism = geometry::prepare(*mechanism);
   if (!mechanism) return fail(std::move(mechanism.error()));
   Intake out;
   out.source = std::string(base_name(file_name));
@@ -143,6 +163,8 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "bvh") return FileKind::bvh;
   if (ending == "amc") return FileKind::amc;
   if (ending == "asf") return FileKind::asf;
+  if (ending == "c3d") return FileKind::c3d;
+  if (ending == "trc") return FileKind::trc;
   if (ending == "json") return FileKind::mechanism_json;
   if (ending == "urdf" || ending == "sdf" || ending == "xml") return FileKind::robot;
   return std::nullopt;
@@ -159,7 +181,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
   const std::string place(file_name);
   if (!kind)
     return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
-                "Give a .bvh, .amc (with its .asf), mechanism .json, .urdf, .sdf or MJCF .xml file.");
+                "Give a .bvh, .amc (with its .asf), .c3d, .trc, mechanism .json, .urdf, .sdf or MJCF .xml file.");
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {
@@ -178,6 +200,15 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       Result<MeasuredMotion> measured = formats::read_amc(bytes, file_name, *asf, amc, &notes);
       if (!measured) return fail(std::move(measured.error()));
       return from_measured(std::move(*measured), std::move(notes), file_name, options);
+    }
+    case FileKind::c3d: {
+      const std::span raw(bytes.data(), bytes.size());
+      Result<MarkerMotion> markers = formats::read_c3d(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit}, &notes);
+      return from_markers(std::move(markers), std::move(notes), file_name, options);
+    }
+    case FileKind::trc: {
+      Result<MarkerMotion> markers = formats::read_trc(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
+      return from_markers(std::move(markers), std::move(notes), file_name, options);
     }
     case FileKind::asf:
       return fail(ErrorCode::structure, place, "An ASF file holds a skeleton without motion.", "Import an AMC file that belongs to it.");

@@ -29,9 +29,9 @@ struct IntakeOptions {
 /// A file, taken in but not yet stored.
 struct Intake {
   std::string source;                              ///< the file's name
-  std::optional<MeasuredMotion> measured;          ///< BVH, AMC
-  std::optional<body::Body> body;                  ///< BVH, AMC
-  std::optional<Motion> motion;                    ///< BVH, AMC
+  std::optional<MeasuredMotion> measured;          ///< BVH, AMC, C3D, TRC
+  std::optional<body::Body> body;                  ///< BVH, AMC, C3D, TRC
+  std::optional<Motion> motion;                    ///< BVH, AMC, C3D, TRC
   std::optional<robot_formats::RobotModel> robot;  ///< URDF, SDF, MJCF
   MechanismPtr mechanism;                          ///< the body's, or the file's
   double metres_per_unit = 0;                      ///< unit of length that was used; 0: the file has none
@@ -41,7 +41,7 @@ struct Intake {
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;
 };
 
-enum class FileKind { bvh, amc, asf, mechanism_json, robot };
+enum class FileKind { bvh, amc, asf, c3d, trc, mechanism_json, robot };
 /// By the ending of the name, in any case.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 

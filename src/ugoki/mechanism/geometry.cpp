@@ -163,7 +163,10 @@ Result<GeometryPtr> make_geometry(std::span<const Vec3> vertices, std::span<cons
   for (std::size_t i = 0; i < first.size(); ++i) found.doubled_vertices += at(first[i]) != i ? 1 : 0;
   for (const Triangle& t : triangles) {
     const Triangle welded{first[at(t[0])], first[at(t[1])], first[at(t[2])]};
-    if (is_flat(points[at(welded[0])], points[at(welded[1])], points[at(welded[2])]))
+    // the flat ones of a convex body keep its surface closed where three corners of a face lie on a line
+    const bool flat = convex ? welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]
+                             : is_flat(points[at(welded[0])], points[at(welded[1])], points[at(welded[2])]);
+    if (flat)
       ++found.flat_triangles;
     else
       out.triangles.push_back(welded);

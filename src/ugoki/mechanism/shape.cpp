@@ -63,7 +63,7 @@ std::string_view name_of(ShapeType type) {
     case ShapeType::cylinder: return "cylinder";
     case ShapeType::ellipsoid: return "ellipsoid";
     case ShapeType::mesh: return "mesh";
-    case ShapeType::height_field: return "height field";
+    case ShapeType::height_field: return "height_field";
   }
   return "sphere";
 }

@@ -1,7 +1,8 @@
 #include "ugoki/robot_formats/assets.h"
 
+#include <utility>
+
 #include "ugoki/base/number.h"
-#include "ugoki/robot_formats/mesh_file.h"
 
 namespace ugoki::robot_formats {
 namespace {
@@ -48,13 +49,13 @@ std::vector<std::string> places_of(std::string_view uri, std::string_view file_n
   return out;
 }
 
-const Result<std::optional<Shape>>& Assets::mesh_box(const std::string& uri, const Vec3& scale) {
-  const std::string key = uri + " " + to_text(scale.x) + " " + to_text(scale.y) + " " + to_text(scale.z);
-  if (const auto it = boxes_.find(key); it != boxes_.end()) return it->second;
-  return boxes_.emplace(key, read_box(uri, scale)).first->second;
+const Result<std::optional<MeshShape>>& Assets::mesh(const std::string& uri, const Vec3& scale, Meshes how, bool collides) {
+  const std::string key = uri + " " + to_text(scale.x) + " " + to_text(scale.y) + " " + to_text(scale.z) + (collides ? " c" : "");
+  if (const auto it = shapes_.find(key); it != shapes_.end()) return it->second;
+  return shapes_.emplace(key, read(uri, scale, how, collides)).first->second;
 }
 
-Result<std::optional<Shape>> Assets::read_box(const std::string& uri, const Vec3& scale) {
+Result<std::optional<MeshShape>> Assets::read(const std::string& uri, const Vec3& scale, Meshes how, bool collides) {
   if (!read_ || absent_ >= most_absent) return std::nullopt;
   for (const std::string& path : places_of(uri, file_name_)) {
     const Result<std::string> bytes = read_(path);
@@ -65,7 +66,13 @@ Result<std::optional<Shape>> Assets::read_box(const std::string& uri, const Vec3
     Result<MeshFile> mesh = read_mesh(*bytes, path);
     if (!mesh) return fail(std::move(mesh.error()));
     for (Vec3& p : mesh->points) p = {p.x * scale.x, p.y * scale.y, p.z * scale.z};
-    return box_around(mesh->points);
+    if (scale.x * scale.y * scale.z < 0)
+      for (auto& [a, b, c] : mesh->triangles) std::swap(b, c);
+    Result<MeshShape> shape = shape_of_mesh(*mesh, how, collides, path);
+    if (!shape) return fail(std::move(shape.error()));
+    const GeometryPtr& geometry = shape->shape.geometry;
+    meshes_.push_back({path, mesh->points.size(), mesh->triangles.size(), geometry ? geometry->hash : 0, shape->found});
+    return std::move(*shape);
   }
   ++absent_;
   return std::nullopt;

@@ -1,5 +1,5 @@
 #pragma once
-// Files that a description names: where they may lie, and their boxes, each read once; internal to robot_formats.
+// Mesh files that a description names: where they may lie, and their shapes, each read once; internal to robot_formats.
 
 #include <map>
 #include <optional>
@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "ugoki/mechanism/shape.h"
+#include "ugoki/robot_formats/mesh_shape.h"
 #include "ugoki/robot_formats/robot_model.h"
 
 namespace ugoki::robot_formats {
@@ -21,16 +21,20 @@ class Assets {
  public:
   Assets(AssetReader read, std::string_view file_name) : read_(std::move(read)), file_name_(file_name) {}
 
-  /// The box around the mesh whose vertices were multiplied by `scale`. Nothing where the file is absent; an Error where it
-  /// is there but broken. Kept for the next call. O(file)
-  [[nodiscard]] const Result<std::optional<Shape>>& mesh_box(const std::string& uri, const Vec3& scale);
+  /// The mesh whose vertices were multiplied by `scale`. Nothing where the file is absent; an Error where it is there but cannot
+  /// be used. Kept for the next call. O(file)
+  /// @param how exact, hull or box
+  [[nodiscard]] const Result<std::optional<MeshShape>>& mesh(const std::string& uri, const Vec3& scale, Meshes how, bool collides);
+  /// What was read so far.
+  [[nodiscard]] std::vector<MeshRead> take_meshes() { return std::move(meshes_); }
 
  private:
   AssetReader read_;
   std::string file_name_;
-  [[nodiscard]] Result<std::optional<Shape>> read_box(const std::string& uri, const Vec3& scale);
+  [[nodiscard]] Result<std::optional<MeshShape>> read(const std::string& uri, const Vec3& scale, Meshes how, bool collides);
 
-  std::map<std::string, Result<std::optional<Shape>>, std::less<>> boxes_;
+  std::map<std::string, Result<std::optional<MeshShape>>, std::less<>> shapes_;
+  std::vector<MeshRead> meshes_;
   std::size_t bytes_ = 0;  ///< read so far
   int absent_ = 0;
 };

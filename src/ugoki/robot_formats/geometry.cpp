@@ -11,10 +11,6 @@ bool sized(const Vec3& v) { return v.x >= smallest && v.y >= smallest && v.z >= 
 
 std::optional<Shape> primitive_shape(XmlFields& xml, Primitive kind, const PrimitiveSize& size, const ShapeUse& use) {
   const Pose& X = use.X_BS;
-  const auto fitted = [&](const FittedShape& shape) {
-    if (use.collides) xml.note(use.node, shape.how);
-    return shape.shape;
-  };
   switch (kind) {
     case Primitive::box:
       if (sized(size.sides)) return Shape::box(size.sides * 0.5, X);
@@ -29,34 +25,35 @@ std::optional<Shape> primitive_shape(XmlFields& xml, Primitive kind, const Primi
       }
       break;
     case Primitive::cylinder:
-      if (size.radius >= smallest && size.length >= smallest) return fitted(fit_cylinder(size.radius, size.length, X, use.spin));
+      if (size.radius >= smallest && size.length >= smallest) return Shape::cylinder(size.radius, 0.5 * size.length, X);
       break;
     case Primitive::ellipsoid:
-      if (sized(size.radii)) return fitted(fit_ellipsoid(size.radii, X));
+      if (sized(size.radii)) return Shape::ellipsoid(size.radii, X);
       break;
   }
   xml.note(use.node, "A shape without size is passed over.");
   return std::nullopt;
 }
 
-std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Vec3& scale, const ShapeUse& use, Meshes meshes,
+std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Vec3& scale, const ShapeUse& use, const RobotOptions& options,
                                 Assets& assets) {
-  if (meshes == Meshes::none || uri.empty()) return std::nullopt;
-  const Result<std::optional<Shape>>& found = assets.mesh_box(uri, scale);
+  if (options.meshes == Meshes::none || uri.empty()) return std::nullopt;
+  const Result<std::optional<MeshShape>>& found = assets.mesh(uri, scale, options.meshes, use.collides);
   if (found && *found) {
-    xml.note(use.node,
-             use.collides ? "A mesh that collides is taken as the box around it." : "A mesh to be seen is shown as the box around it.");
-    Shape shape = **found;
+    Shape shape = (*found)->shape;
+    xml.note(use.node, how_taken(shape, use.collides));
+    for (const std::string& sentence : (*found)->notes) xml.note(use.node, sentence);
     shape.X_BS = use.X_BS * shape.X_BS;
     return shape;
   }
-  const bool required = use.collides && meshes == Meshes::require;
+  const bool required = use.collides && options.require_meshes;
   if (!found) {
-    const std::string message = "a mesh cannot be used: " + found.error().problems.front().text();
+    const Problem& why = found.error().problems.front();
+    const std::string message = "a mesh cannot be used: " + why.place + ": " + why.message;
     if (required)
-      xml.problem(use.node, ErrorCode::structure, message, "");
+      xml.problem(use.node, why.code, message, why.remedy);
     else
-      xml.note(use.node, "A" + message.substr(1));
+      xml.note(use.node, "A" + message.substr(1) + (why.remedy.empty() ? "" : " " + why.remedy));
   } else if (required) {
     xml.problem(use.node, ErrorCode::io, "the mesh " + formats::in_quotes(uri) + " is not there.",
                 "Put it where the file says, or read without meshes.");

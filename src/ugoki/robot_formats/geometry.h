@@ -5,7 +5,6 @@
 #include <string>
 
 #include "ugoki/robot_formats/assets.h"
-#include "ugoki/robot_formats/shape_fit.h"
 #include "ugoki/robot_formats/xml_fields.h"
 
 namespace ugoki::robot_formats {
@@ -25,14 +24,13 @@ struct ShapeUse {
   pugi::xml_node node;
   bool collides = true;
   Pose X_BS;
-  std::optional<SpinAxis> spin;  ///< the revolute joint of the link
 };
 
 /// Nothing, with a note, where a size is zero.
 [[nodiscard]] std::optional<Shape> primitive_shape(XmlFields& xml, Primitive kind, const PrimitiveSize& size, const ShapeUse& use);
 
-/// The box around the mesh; nothing, with a note or a problem, where it cannot be had.
-[[nodiscard]] std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Vec3& scale, const ShapeUse& use, Meshes meshes,
-                                              Assets& assets);
+/// The mesh as the options want it; nothing, with a note or a problem, where it cannot be had.
+[[nodiscard]] std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Vec3& scale, const ShapeUse& use,
+                                              const RobotOptions& options, Assets& assets);
 
 }  // namespace ugoki::robot_formats

@@ -9,7 +9,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/text.h"
-#include "ugoki/robot_formats/collada_points.h"
+#include "ugoki/robot_formats/collada_mesh.h"
 #include "ugoki/robot_formats/symmetric_eigen.h"
 
 namespace ugoki::robot_formats {
@@ -114,11 +114,7 @@ Result<MeshFile> read_kind(std::string_view bytes, const std::string& file_name)
     return fail(ErrorCode::truncated, file_name, "the STL file ends before its last triangle.", "Export the mesh again.");
   }
   if (ends_with(file_name, ".obj")) return obj(bytes, file_name);
-  if (ends_with(file_name, ".dae")) {
-    Result<std::vector<Vec3>> points = collada_points(bytes, file_name);
-    if (!points) return fail(std::move(points.error()));
-    return MeshFile{std::move(*points), {}};
-  }
+  if (ends_with(file_name, ".dae")) return collada_mesh(bytes, file_name);
   return fail(ErrorCode::unsupported, file_name, "meshes of this kind are not read.", "Give an STL, OBJ or DAE file.");
 }
 

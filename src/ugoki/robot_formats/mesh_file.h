@@ -13,7 +13,7 @@ namespace ugoki::robot_formats {
 /// Lengths in units of the file; m for COLLADA, which tells its unit.
 struct MeshFile {
   std::vector<Vec3> points;
-  std::vector<std::array<int, 3>> triangles;  ///< indices of points; none for COLLADA
+  std::vector<std::array<int, 3>> triangles;  ///< indices of points, counter-clockwise seen from outside
 };
 
 /// STL (binary, ASCII), OBJ or COLLADA, by the ending of the name. Refuses what is broken, has no vertex, or one that is not

@@ -53,6 +53,7 @@ Result<RobotModel> read_mjcf(std::string_view text, std::string_view file_name, 
   model.X_BF = std::move(build.X_BF);
   model.driven = std::move(build.driven);
   model.positions = std::move(build.positions);
+  model.meshes = std::move(build.meshes);
   model.notes = files.take_notes();
   return model;
 }

@@ -22,6 +22,7 @@ struct MjcfBuild {
   std::vector<JointName> joints = {};
   std::vector<std::string> driven = {};
   std::vector<NamedPosition> positions = {};
+  std::vector<MeshRead> meshes = {};
 
   [[nodiscard]] LinkSpec& link_of(const MjcfJoint& joint) { return spec.links[static_cast<std::size_t>(joint.link)]; }
   [[nodiscard]] Freedom& freedom_of(const MjcfJoint& joint) { return link_of(joint).joint.freedoms[0]; }
@@ -48,8 +49,7 @@ void fit_mjcf_geoms(MjcfBody& body);
 [[nodiscard]] Inertia mjcf_inertia(MjcfBody& body, const RobotOptions& options);
 
 /// The geom as a shape in the body's frame; nothing, with a note, where it is left out.
-/// @param last joint of the body, or null
-[[nodiscard]] std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, const MjcfJoint* last, const RobotOptions& options);
+[[nodiscard]] std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, MjcfBuild& build);
 
 /// Links of all bodies: a chain of links without mass for several joints of one body, a link "world" for the world's shapes.
 void make_mjcf_links(MjcfBuild& build);

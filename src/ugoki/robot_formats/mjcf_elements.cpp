@@ -111,6 +111,7 @@ MjcfGeom read_mjcf_geom(const MjcfSource& source, const MjcfAttributes& a, const
   g.type = static_cast<MjcfGeomType>(
       a.keyword("type", {"plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf"}, static_cast<int>(g.type)));
   g.mesh = a.text("mesh");
+  g.height_field = a.text("hfield");
   double size[3] = {0, 0, 0};
   (void)a.overlay("size", size, not_negative);
   g.size = {size[0], size[1], size[2]};

@@ -14,19 +14,12 @@ constexpr double least_volume = 1e-15;  // m^3
 
 /// At density 1, about the shape's centre, in its axes.
 Inertia unit_inertia(MjcfGeomType type, const Vec3& s) {
-  const auto centred = [](double m, double xx, double yy, double zz) { return Inertia{m, {}, {xx, yy, zz, 0, 0, 0}}; };
   switch (type) {
     case MjcfGeomType::sphere: return solid_inertia(Shape::sphere(s.x), 1);
     case MjcfGeomType::capsule: return solid_inertia(Shape::capsule(s.x, {0, 0, -s.y}, {0, 0, s.y}), 1);
     case MjcfGeomType::box: return solid_inertia(Shape::box(s), 1);
-    case MjcfGeomType::cylinder: {
-      const double m = 2 * pi * s.x * s.x * s.y, across = m * (s.x * s.x / 4 + s.y * s.y / 3);
-      return centred(m, across, across, m * s.x * s.x / 2);
-    }
-    case MjcfGeomType::ellipsoid: {
-      const double m = 4.0 / 3.0 * pi * s.x * s.y * s.z, f = m / 5;
-      return centred(m, f * (s.y * s.y + s.z * s.z), f * (s.x * s.x + s.z * s.z), f * (s.x * s.x + s.y * s.y));
-    }
+    case MjcfGeomType::cylinder: return solid_inertia(Shape::cylinder(s.x, s.y), 1);
+    case MjcfGeomType::ellipsoid: return solid_inertia(Shape::ellipsoid(s), 1);
     default: return {};
   }
 }

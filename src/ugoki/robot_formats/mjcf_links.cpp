@@ -1,58 +1,94 @@
 // Links, joints and shapes of MJCF bodies.
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
-#include "ugoki/robot_formats/mesh_file.h"
 #include "ugoki/robot_formats/mjcf_build.h"
-#include "ugoki/robot_formats/shape_fit.h"
 
 namespace ugoki::robot_formats {
 namespace {
 
-std::optional<Shape> mesh_shape(MjcfBody& body, const MjcfGeom& geom, bool collides, const RobotOptions& options) {
+std::optional<Shape> mesh_shape(MjcfBody& body, const MjcfGeom& geom, bool collides, MjcfBuild& build) {
+  const RobotOptions& options = build.options;
   if (!collides) return std::nullopt;  // looks only
   if (options.meshes == Meshes::none) {
     geom.element.note("Meshes that collide are left out.");
     return std::nullopt;
   }
-  const MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
+  MjcfMeshAsset* const mesh = body.source->mesh(geom.mesh);
   if (!mesh) {
     geom.element.problem(ErrorCode::unknown, "no mesh is named " + formats::in_quotes(geom.mesh) + ".",
                          "Correct the name, or add the mesh.");
     return std::nullopt;
   }
-  if (mesh->absent.empty()) {
-    geom.element.note("A mesh that collides is taken as the box around it.");
-    Shape box = box_around(mesh->points);
-    box.X_BS = geom.X_BG * box.X_BS;
-    return box;
+  if (!mesh->absent.empty()) {
+    if (options.require_meshes)
+      geom.element.problem(ErrorCode::io, mesh->absent + ".", "Put it there, or let meshes be left out.");
+    else
+      geom.element.note("A shape is left out because its mesh file is not there.");
+    return std::nullopt;
   }
-  if (options.meshes == Meshes::require)
-    geom.element.problem(ErrorCode::io, mesh->absent + ".", "Put it there, or let meshes be left out.");
-  else
-    geom.element.note("A shape is left out because its mesh file is not there.");
-  return std::nullopt;
+  if (!mesh->shape) {
+    Result<MeshShape> made = shape_of_mesh({mesh->points, mesh->triangles}, options.meshes, true, geom.mesh);
+    if (!made) {
+      const Problem& why = made.error().problems[0];
+      if (options.require_meshes)
+        geom.element.problem(why.code, "its mesh cannot be used: " + why.message, why.remedy);
+      else
+        geom.element.note("A shape is left out because its mesh cannot be used: " + why.message);
+      return std::nullopt;
+    }
+    mesh->shape = std::move(made->shape);
+    for (const std::string& sentence : made->notes) geom.element.note(sentence);
+    const GeometryPtr& geometry = mesh->shape->geometry;
+    build.meshes.push_back(
+        {mesh->element.title(), mesh->points.size(), mesh->triangles.size(), geometry ? geometry->hash : 0, made->found});
+  }
+  geom.element.note(how_taken(*mesh->shape, true));
+  Shape shape = *mesh->shape;
+  shape.X_BS = geom.X_BG * shape.X_BS;
+  return shape;
+}
+
+/// The ground z = 0 belongs to the scene; any other plane becomes a thick plate below it.
+std::optional<Shape> plane_shape(const MjcfBody& body, const MjcfGeom& geom) {
+  constexpr double endless = 50, thick = 0.5;  // m: half of the sides of a plane without end, and of the plate's height
+  const Pose X_WG = body.X_WB * geom.X_BG;
+  if (body.parent < 0 && X_WG.R.zz > 1 - 1e-12 && std::fabs(X_WG.p.z) < 1e-9) {
+    geom.element.note("A plane is left out: the ground belongs to the scene.");
+    return std::nullopt;
+  }
+  geom.element.note("A plane other than the ground z = 0 is taken as a plate 1 m thick below it, at most 100 m wide.");
+  const auto side = [&](double half) { return half > 0 && half < endless ? half : endless; };
+  return Shape::box({side(geom.size.x), side(geom.size.y), thick}, geom.X_BG * Pose{Mat3::identity(), {0, 0, -thick}});
+}
+
+std::optional<Shape> field_shape(MjcfBody& body, const MjcfGeom& geom) {
+  const MjcfHeightField* const asset = body.source->height_field(geom.height_field);
+  if (!asset) {
+    geom.element.problem(ErrorCode::unknown, "no height field is named " + formats::in_quotes(geom.height_field) + ".",
+                         "Correct the name, or add the height field.");
+    return std::nullopt;
+  }
+  if (!asset->field) {
+    geom.element.note(asset->absent);
+    return std::nullopt;
+  }
+  return Shape::height_field(asset->field, geom.X_BG);
 }
 
 /// How a geom lies, without what its surface is like.
-std::optional<Shape> outline(MjcfBody& body, const MjcfGeom& geom, const MjcfJoint* last, bool collides, const RobotOptions& options) {
-  const auto fitted = [&](const FittedShape& fit) {
-    geom.element.note(fit.how);
-    return fit.shape;
-  };
+std::optional<Shape> outline(MjcfBody& body, const MjcfGeom& geom, bool collides, MjcfBuild& build) {
   switch (geom.type) {
-    case MjcfGeomType::plane: geom.element.note("A plane is left out: the ground belongs to the scene."); return std::nullopt;
-    case MjcfGeomType::hfield: geom.element.note("A height field is left out."); return std::nullopt;
+    case MjcfGeomType::plane: return plane_shape(body, geom);
+    case MjcfGeomType::hfield: return field_shape(body, geom);
     case MjcfGeomType::sdf: geom.element.note("A signed distance field is left out."); return std::nullopt;
-    case MjcfGeomType::mesh: return mesh_shape(body, geom, collides, options);
+    case MjcfGeomType::mesh: return mesh_shape(body, geom, collides, build);
     case MjcfGeomType::sphere: return Shape::sphere(geom.size.x, geom.X_BG);
     case MjcfGeomType::box: return Shape::box(geom.size, geom.X_BG);
-    case MjcfGeomType::ellipsoid: return fitted(fit_ellipsoid(geom.size, geom.X_BG));
-    case MjcfGeomType::cylinder: {
-      std::optional<SpinAxis> spin;
-      if (last && last->type == MjcfJointType::hinge) spin = SpinAxis{last->pos, last->axis};
-      return fitted(fit_cylinder(geom.size.x, 2 * geom.size.y, geom.X_BG, spin));
-    }
+    case MjcfGeomType::ellipsoid: return Shape::ellipsoid(geom.size, geom.X_BG);
+    case MjcfGeomType::cylinder: return Shape::cylinder(geom.size.x, geom.size.y, geom.X_BG);
     case MjcfGeomType::capsule: {
       Shape s;
       s.type = ShapeType::capsule;
@@ -102,9 +138,8 @@ class LinkMaker {
   }
 
   void append_shapes(MjcfBody& body, std::vector<Shape>& out) {
-    const MjcfJoint* const last = body.joints.empty() ? nullptr : &body.joints.back();
     for (const MjcfGeom& geom : body.geoms)
-      if (std::optional<Shape> shape = mjcf_shape(body, geom, last, build_.options)) {
+      if (std::optional<Shape> shape = mjcf_shape(body, geom, build_)) {
         shape->X_BS = body.X_LB * shape->X_BS;
         out.push_back(*shape);
       }
@@ -208,9 +243,9 @@ class LinkMaker {
 
 }  // namespace
 
-std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, const MjcfJoint* last, const RobotOptions& options) {
+std::optional<Shape> mjcf_shape(MjcfBody& body, const MjcfGeom& geom, MjcfBuild& build) {
   const bool collides = geom.contype != 0 || geom.conaffinity != 0;
-  std::optional<Shape> shape = outline(body, geom, last, collides, options);
+  std::optional<Shape> shape = outline(body, geom, collides, build);
   if (!shape) return shape;
   if (collides && !(geom.contype == 1 && geom.conaffinity == 1))
     geom.element.note("Which pairs of shapes collide (contype, conaffinity) is left out; the shape collides with all.");

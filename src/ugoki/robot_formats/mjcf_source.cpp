@@ -76,6 +76,9 @@ void MjcfSource::read_assets() {
         mesh.element = e;
         if (!meshes_.emplace(name, std::move(mesh)).second)
           e.problem(ErrorCode::duplicate, "two meshes are named " + formats::in_quotes(name) + ".", "Rename one of them.");
+      } else if (e.kind() == "hfield") {
+        if (!height_fields_.emplace(name, MjcfHeightField{e, false, {}, {}}).second)
+          e.problem(ErrorCode::duplicate, "two height fields are named " + formats::in_quotes(name) + ".", "Rename one of them.");
       } else if (e.kind() == "model") {
         const std::string path = folder_ + file;
         if (std::ranges::find(above_, path) != above_.end()) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 
+#include "ugoki/robot_formats/mesh_shape.h"
 #include "ugoki/robot_formats/mjcf_document.h"
 #include "ugoki/robot_formats/mjcf_mesh.h"
 
@@ -33,6 +34,15 @@ struct MjcfMeshAsset {
   std::vector<Vec3> points;  ///< m
   std::vector<MeshTriangle> triangles;
   MeshInertia kind = MeshInertia::legacy;
+  std::optional<Shape> shape;  ///< made from it when a geom collides
+};
+
+/// A height field asset. MuJoCo stretches its heights from 0 to the size that the asset gives.
+struct MjcfHeightField {
+  MjcfElement element;
+  bool tried = false;
+  std::string absent;  ///< a sentence: why there is no field
+  HeightFieldPtr field;
 };
 
 /// The rotation that turns z into the unit vector `direction` the shortest way; half a turn about x where that is -z.
@@ -52,6 +62,9 @@ class MjcfSource {
   /// The mesh asset of this name with its file read, or null. A file that is there but broken is a problem of the asset.
   [[nodiscard]] MjcfMeshAsset* mesh(const std::string& name);
 
+  /// The same for a height field.
+  [[nodiscard]] const MjcfHeightField* height_field(const std::string& name);
+
   /// From quat, or from what may be given in its stead: axisangle, xyaxes, zaxis, euler.
   [[nodiscard]] Mat3 orientation(const MjcfAttributes& a) const;
   [[nodiscard]] Pose pose(const MjcfAttributes& a) const { return {orientation(a), a.vec3("pos", {})}; }
@@ -62,6 +75,7 @@ class MjcfSource {
   void read_compiler();
   void read_assets();
   void load_mesh(MjcfMeshAsset& mesh) const;
+  void load_height_field(MjcfHeightField& field) const;
   [[nodiscard]] std::string mesh_path(const std::string& file) const;
 
   MjcfDocument document_;
@@ -71,6 +85,7 @@ class MjcfSource {
   std::string folder_;
   std::vector<std::string> above_;
   std::map<std::string, MjcfMeshAsset, std::less<>> meshes_;
+  std::map<std::string, MjcfHeightField, std::less<>> height_fields_;
   std::map<std::string, std::unique_ptr<MjcfSource>, std::less<>> models_;
 };
 

@@ -39,7 +39,7 @@ struct MjcfGeom {
   int contype = 1, conaffinity = 1;
   double friction = 1;
   bool transparent = false;
-  std::string mesh;
+  std::string mesh, height_field;  ///< names of assets
 };
 
 struct MjcfSite {

@@ -1,6 +1,7 @@
 #pragma once
 // What every reader of this module gives, and the choices that their callers have.
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,20 +25,29 @@ struct NamedPosition {
   std::vector<double> q;  ///< [nq]
 };
 
+/// A mesh file that became a shape.
+struct MeshRead {
+  std::string file;
+  std::size_t points = 0, triangles = 0;  ///< in the file
+  std::uint64_t geometry = 0;             ///< hash of the geometry that it became; 0: a box
+  GeometryFindings found;                 ///< exact surfaces: what was mended
+};
+
 struct RobotModel {
   MechanismPtr mechanism;
   std::vector<JointName> joints;  ///< tree joints in the order of the mechanism's links, without invented ones
   std::vector<Pose> X_BF;  ///< for each link of the mechanism: the file's frame of the link in the mechanism's (which lies at the joint)
   std::vector<std::string> driven;  ///< links whose joints the file calls driven; empty if it does not tell
   std::vector<NamedPosition> positions;
+  std::vector<MeshRead> meshes;    ///< each file (and scale) once
   std::vector<std::string> notes;  ///< sentences for people: what was approximated, repaired, left out
 };
 
 /// How the base of the tree is joined to the world where the file leaves it open.
 enum class Base { by_file, fixed, floating };
-/// Meshes that collide: taken as the box around them, demanded (a missing one is an error), or left out. Where a body's mass
-/// comes from a mesh (MJCF) a missing one is an error as well, unless meshes are left out: then it weighs nothing.
-enum class Meshes { box, require, none };
+/// Meshes: taken as their surface, their convex hull or the box around them, or left out. Where a body's mass comes from a mesh
+/// (MJCF) a missing one is an error, unless meshes are left out: then it weighs nothing.
+enum class Meshes { exact, hull, box, none };
 /// Inertia that no body can have: moved to the nearest possible one with a note, or refused.
 enum class Inertias { repair, strict };
 
@@ -51,7 +61,8 @@ struct SideFile {
 
 struct RobotOptions {
   Base base = Base::by_file;
-  Meshes meshes = Meshes::box;
+  Meshes meshes = Meshes::hull;
+  bool require_meshes = false;  ///< a mesh that collides and is absent or cannot be used is an error, not a note
   Inertias inertias = Inertias::repair;
   std::optional<SideFile> loops = {};  ///< URDF, SDF: YAML that names loops (loops_yaml.h)
   AssetReader read_asset = {};         ///< absent: no file beside the description is read

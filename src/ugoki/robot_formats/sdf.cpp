@@ -45,7 +45,9 @@ class SdfReader {
     make_loops();
     if (options_.loops && !xml_.failed())
       if (Error wrong = read_yaml(*options_.loops); !wrong.empty()) return fail(std::move(wrong));
-    return draft_.finish();
+    Result<RobotModel> robot = draft_.finish();
+    if (robot) robot->meshes = assets_.take_meshes();
+    return robot;
   }
 
  private:
@@ -243,9 +245,7 @@ class SdfReader {
     LinkSpec& link = draft_.link(i);
     const Pose X_BF = draft_.draft(i).X_BF;
     link.inertia = read_sdf_inertia(xml_, *frames_, frame).in_parent(X_BF);
-    std::optional<SpinAxis> spin;
-    if (link.joint.type == JointType::revolute) spin = SpinAxis{{}, link.joint.axis};
-    link.shapes = read_sdf_shapes(xml_, *frames_, frame, X_BF, spin, options_.meshes, assets_);
+    link.shapes = read_sdf_shapes(xml_, *frames_, frame, X_BF, options_, assets_);
   }
 
   void add_loop(pugi::xml_node node, const std::string& name, LoopSpec loop) {

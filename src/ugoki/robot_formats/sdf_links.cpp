@@ -14,7 +14,7 @@ Vec3 sizes(XmlFields& xml, pugi::xml_node node, const char* name) {
   return xml.vec3(xml.element(node, name), {}, not_negative);
 }
 
-std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, Meshes meshes, Assets& assets) {
+std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, const RobotOptions& options, Assets& assets) {
   const std::string_view kind = node.name();
   if (kind == "box") return primitive_shape(xml, Primitive::box, {.sides = sizes(xml, node, "size")}, use);
   if (kind == "sphere") return primitive_shape(xml, Primitive::sphere, {.radius = size(xml, node, "radius")}, use);
@@ -23,14 +23,14 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
     return primitive_shape(xml, kind == "capsule" ? Primitive::capsule : Primitive::cylinder,
                            {.radius = size(xml, node, "radius"), .length = size(xml, node, "length")}, use);
   const std::string uri = xml.required_text(xml.element(node, "uri"));
-  return mesh_shape(xml, uri, xml.vec3(xml.element(node, "scale"), {1, 1, 1}, {-1e6, 1e6}), use, meshes, assets);
+  return mesh_shape(xml, uri, xml.vec3(xml.element(node, "scale"), {1, 1, 1}, {-1e6, 1e6}), use, options, assets);
 }
 
 /// One `<collision>` or `<visual>`.
-std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, Meshes meshes, Assets& assets) {
+std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, const RobotOptions& options, Assets& assets) {
   for (const pugi::xml_node geometry : node.child("geometry").children())
     for (const std::string_view known : {"box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh"})
-      if (known == geometry.name()) return read_geometry(xml, geometry, use, meshes, assets);
+      if (known == geometry.name()) return read_geometry(xml, geometry, use, options, assets);
   xml.note(node, "A <" + std::string(node.name()) + "> without box, sphere, cylinder, capsule, ellipsoid or mesh is passed over.");
   return std::nullopt;
 }
@@ -60,14 +60,14 @@ Inertia read_sdf_inertia(XmlFields& xml, SdfFrames& frames, int link) {
   return Inertia::from_centre(mass, X.p, rotated(I, X.R));
 }
 
-std::vector<Shape> read_sdf_shapes(XmlFields& xml, SdfFrames& frames, int link, const Pose& X_BF, const std::optional<SpinAxis>& spin,
-                                   Meshes meshes, Assets& assets) {
+std::vector<Shape> read_sdf_shapes(XmlFields& xml, SdfFrames& frames, int link, const Pose& X_BF, const RobotOptions& options,
+                                   Assets& assets) {
   const pugi::xml_node node = frames.at(link).node;
   const bool collides = static_cast<bool>(node.child("collision"));
   std::vector<Shape> out;
   for (const pugi::xml_node element : node.children(collides ? "collision" : "visual")) {
-    const ShapeUse use{element, collides, X_BF * frames.pose_in(link, element), spin};
-    std::optional<Shape> shape = read_shape(xml, element, use, meshes, assets);
+    const ShapeUse use{element, collides, X_BF * frames.pose_in(link, element)};
+    std::optional<Shape> shape = read_shape(xml, element, use, options, assets);
     if (!shape) continue;
     shape->collides = collides;
     if (collides) read_surface(xml, element, *shape);

@@ -14,7 +14,7 @@ namespace ugoki::robot_formats {
 
 /// The shapes of its `<collision>` elements, to collide and to be seen; a link that has none gets those of its `<visual>`
 /// elements, to be seen only. In the mechanism's frame of the link, in which X_BF is the file's.
-[[nodiscard]] std::vector<Shape> read_sdf_shapes(XmlFields& xml, SdfFrames& frames, int link, const Pose& X_BF,
-                                                 const std::optional<SpinAxis>& spin, Meshes meshes, Assets& assets);
+[[nodiscard]] std::vector<Shape> read_sdf_shapes(XmlFields& xml, SdfFrames& frames, int link, const Pose& X_BF, const RobotOptions& options,
+                                                 Assets& assets);
 
 }  // namespace ugoki::robot_formats

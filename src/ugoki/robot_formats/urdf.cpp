@@ -45,7 +45,9 @@ class UrdfReader {
       if (options_.loops)
         if (Error wrong = read_loops(*options_.loops); !wrong.empty()) return fail(std::move(wrong));
     }
-    return draft_.finish();
+    Result<RobotModel> model = draft_.finish();
+    if (model) model->meshes = assets_.take_meshes();
+    return model;
   }
 
  private:
@@ -200,9 +202,7 @@ class UrdfReader {
 
   void read_shapes(int i) {
     LinkSpec& link = draft_.link(i);
-    std::optional<SpinAxis> spin;
-    if (link.joint.type == JointType::revolute) spin = SpinAxis{{}, link.joint.axis};
-    link.shapes = read_urdf_shapes(xml_, draft_.draft(i).node, spin, options_.meshes, assets_);
+    link.shapes = read_urdf_shapes(xml_, draft_.draft(i).node, options_, assets_);
   }
 
   /// Ugoki's planar joint lies in the joint frame's x-y plane: where the axis is another than z, a link without mass lies

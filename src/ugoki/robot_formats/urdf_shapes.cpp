@@ -9,7 +9,7 @@ double size(XmlFields& xml, pugi::xml_node node, const char* name) {
   return xml.number(xml.attribute(node, name), 0, not_negative);
 }
 
-std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, Meshes meshes, Assets& assets) {
+std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const ShapeUse& use, const RobotOptions& options, Assets& assets) {
   const std::string_view kind = node.name();
   if (kind == "box") {
     (void)xml.required_text(xml.attribute(node, "size"));
@@ -21,15 +21,15 @@ std::optional<Shape> read_geometry(XmlFields& xml, pugi::xml_node node, const Sh
                            {.radius = size(xml, node, "radius"), .length = size(xml, node, "length")}, use);
   const std::string uri = xml.required_text(xml.attribute(node, "filename"));
   const Vec3 scale = xml.vec3(xml.attribute(node, "scale"), {1, 1, 1}, {-1e6, 1e6});
-  return mesh_shape(xml, uri, scale, use, meshes, assets);
+  return mesh_shape(xml, uri, scale, use, options, assets);
 }
 
 /// One `<collision>` or `<visual>`.
-std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const std::optional<SpinAxis>& spin, Meshes meshes, Assets& assets) {
-  const ShapeUse use{node, std::string_view(node.name()) == "collision", urdf_origin(xml, node), spin};
+std::optional<Shape> read_shape(XmlFields& xml, pugi::xml_node node, const RobotOptions& options, Assets& assets) {
+  const ShapeUse use{node, std::string_view(node.name()) == "collision", urdf_origin(xml, node)};
   for (const pugi::xml_node geometry : node.child("geometry").children())
     for (const std::string_view known : {"box", "sphere", "cylinder", "capsule", "mesh"})
-      if (known == geometry.name()) return read_geometry(xml, geometry, use, meshes, assets);
+      if (known == geometry.name()) return read_geometry(xml, geometry, use, options, assets);
   xml.note(node, "A <" + std::string(node.name()) + "> without box, sphere, cylinder, capsule or mesh is passed over.");
   return std::nullopt;
 }
@@ -45,14 +45,13 @@ Pose urdf_origin(XmlFields& xml, pugi::xml_node node) {
   return X;
 }
 
-std::vector<Shape> read_urdf_shapes(XmlFields& xml, pugi::xml_node link, const std::optional<SpinAxis>& spin, Meshes meshes,
-                                    Assets& assets) {
+std::vector<Shape> read_urdf_shapes(XmlFields& xml, pugi::xml_node link, const RobotOptions& options, Assets& assets) {
   std::vector<Shape> out;
   for (const pugi::xml_node node : link.children("collision"))
-    if (const std::optional<Shape> shape = read_shape(xml, node, spin, meshes, assets)) out.push_back(*shape);
+    if (const std::optional<Shape> shape = read_shape(xml, node, options, assets)) out.push_back(*shape);
   if (link.child("collision")) return out;
   for (const pugi::xml_node node : link.children("visual")) {
-    if (std::optional<Shape> shape = read_shape(xml, node, spin, meshes, assets)) {
+    if (std::optional<Shape> shape = read_shape(xml, node, options, assets)) {
       shape->collides = false;
       out.push_back(*shape);
     }

@@ -13,7 +13,6 @@ namespace ugoki::robot_formats {
 
 /// The shapes of its `<collision>` elements, to collide and to be seen; a link that has none gets those of its `<visual>`
 /// elements, to be seen only.
-[[nodiscard]] std::vector<Shape> read_urdf_shapes(XmlFields& xml, pugi::xml_node link, const std::optional<SpinAxis>& spin, Meshes meshes,
-                                                  Assets& assets);
+[[nodiscard]] std::vector<Shape> read_urdf_shapes(XmlFields& xml, pugi::xml_node link, const RobotOptions& options, Assets& assets);
 
 }  // namespace ugoki::robot_formats

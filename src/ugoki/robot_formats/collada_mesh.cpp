@@ -1,7 +1,10 @@
-#include "ugoki/robot_formats/collada_points.h"
+#include "ugoki/robot_formats/collada_mesh.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <utility>
 
 #include "ugoki/robot_formats/xml_fields.h"
 
@@ -9,6 +12,12 @@ namespace ugoki::robot_formats {
 namespace {
 
 constexpr std::size_t most_points = 50'000'000;
+
+/// Points and triangles of one <geometry>, in its own frame.
+struct Part {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> triangles;
+};
 
 /// x -> A x + b, any linear A: scales are allowed.
 struct Placement {
@@ -23,7 +32,7 @@ class ColladaReader {
  public:
   explicit ColladaReader(XmlFields& xml) : xml_(xml) {}
 
-  std::vector<Vec3> read() {
+  MeshFile read() {
     const pugi::xml_node root = xml_.root();
     unit_ = xml_.number(xml_.attribute(root.child("asset").child("unit"), "meter"), 1.0, {1e-6, 1e6});
     for (const pugi::xml_node g : root.child("library_geometries").children("geometry")) read_geometry(g);
@@ -31,7 +40,7 @@ class ColladaReader {
     for (const pugi::xml_node scene : root.child("library_visual_scenes").children("visual_scene"))
       for (const pugi::xml_node node : scene.children("node")) placed = place(node) || placed;
     if (!placed)
-      for (const auto& [id, points] : geometries_) add(points, {});
+      for (const auto& [id, part] : geometries_) add(part, {});
     return std::move(out_);
   }
 
@@ -43,8 +52,43 @@ class ColladaReader {
     for (const pugi::xml_node source : mesh.children("source")) {
       if (id != source.attribute("id").value()) continue;
       const std::vector<double> v = xml_.list(xml_.element(source, "float_array"), 0, 3 * most_points);
-      std::vector<Vec3>& points = geometries_[geometry.attribute("id").value()];
-      for (std::size_t i = 0; i + 2 < v.size(); i += 3) points.push_back({v[i], v[i + 1], v[i + 2]});
+      Part& part = geometries_[geometry.attribute("id").value()];
+      for (std::size_t i = 0; i + 2 < v.size(); i += 3) part.points.push_back({v[i], v[i + 1], v[i + 2]});
+      for (const pugi::xml_node faces : mesh.children()) read_faces(faces, part);
+    }
+  }
+
+  /// <triangles>, <polylist> or <polygons>: polygons become fans.
+  void read_faces(pugi::xml_node faces, Part& part) {
+    const std::string_view kind = faces.name();
+    if (kind != "triangles" && kind != "polylist" && kind != "polygons") return;
+    std::size_t stride = 1, offset = 0;
+    for (const pugi::xml_node input : faces.children("input")) {
+      const auto at = static_cast<std::size_t>(xml_.integer(xml_.attribute(input, "offset"), 0, 0, 100));
+      stride = std::max(stride, at + 1);
+      if (std::string_view(input.attribute("semantic").value()) == "VERTEX") offset = at;
+    }
+    std::vector<double> counts;
+    if (kind == "polylist") counts = xml_.list(xml_.element(faces, "vcount"), 0, most_points, not_negative);
+    std::size_t polygon = 0;
+    for (const pugi::xml_node list : faces.children("p")) {
+      const std::vector<double> p = xml_.list(xml_.content(list), 0, 10 * most_points, not_negative);
+      const std::size_t corners = p.size() / stride;
+      for (std::size_t first = 0; first < corners;) {
+        std::size_t n = kind == "triangles" ? 3 : corners;
+        if (kind == "polylist") n = polygon < counts.size() ? static_cast<std::size_t>(counts[polygon++]) : 0;
+        if (n == 0 && (kind != "polylist" || polygon >= counts.size())) break;
+        n = std::min(n, corners - first);
+        const auto corner = [&](std::size_t i) { return p[(first + i) * stride + offset]; };
+        for (std::size_t i = 2; i < n; ++i) {
+          if (!(std::max({corner(0), corner(i - 1), corner(i)}) < static_cast<double>(part.points.size()))) {
+            xml_.problem(faces, ErrorCode::range, "a face names a vertex that there is not.", "Export the mesh again.");
+            return;
+          }
+          part.triangles.push_back({static_cast<int>(corner(0)), static_cast<int>(corner(i - 1)), static_cast<int>(corner(i))});
+        }
+        first += n;
+      }
     }
   }
 
@@ -86,25 +130,29 @@ class ColladaReader {
     return placed;
   }
 
-  void add(const std::vector<Vec3>& points, const Placement& where) {
-    if (out_.size() + points.size() > most_points) return;
-    for (const Vec3& p : points) out_.push_back((where.A * p + where.b) * unit_);
+  void add(const Part& part, const Placement& where) {
+    if (out_.points.size() + part.points.size() > most_points || out_.triangles.size() + part.triangles.size() > most_points) return;
+    const int first = static_cast<int>(out_.points.size());
+    for (const Vec3& p : part.points) out_.points.push_back((where.A * p + where.b) * unit_);
+    const bool mirrored = where.A.determinant() < 0;
+    for (const auto& [a, b, c] : part.triangles)
+      out_.triangles.push_back({first + a, first + (mirrored ? c : b), first + (mirrored ? b : c)});
   }
 
   XmlFields& xml_;
   double unit_ = 1;
-  std::map<std::string, std::vector<Vec3>, std::less<>> geometries_;
-  std::vector<Vec3> out_;
+  std::map<std::string, Part, std::less<>> geometries_;
+  MeshFile out_;
 };
 
 }  // namespace
 
-Result<std::vector<Vec3>> collada_points(std::string_view text, const std::string& file_name) {
+Result<MeshFile> collada_mesh(std::string_view text, const std::string& file_name) {
   XmlFields xml(file_name, "COLLADA");
   if (!xml.parse(text)) return fail(xml.take_problems());
-  std::vector<Vec3> points = ColladaReader(xml).read();
+  MeshFile mesh = ColladaReader(xml).read();
   if (xml.failed()) return fail(xml.take_problems());
-  return points;
+  return mesh;
 }
 
 }  // namespace ugoki::robot_formats

@@ -1,0 +1,129 @@
+#include "ugoki/collision/convex_manifold.h"
+
+#include <algorithm>
+
+#include "ugoki/collision/clipping.h"
+
+namespace ugoki::collision {
+namespace {
+
+constexpr double parallel_sin2 = 0.03;  // segments closer to parallel than this (10 degrees) lie along each other
+
+/// Four of the points below the margin that span the rest, seen along n: the deepest, the one farthest from it, and the farthest
+/// on both sides of the line between them.
+void add_four(const Candidates& c, const Vec3& n, double margin, const Vec3& contact_normal, Manifold& out) {
+  int chosen[4] = {-1, -1, -1, -1};
+  for (int i = 0; i < c.count; ++i)
+    if (c.at(i).h < margin && (chosen[0] < 0 || c.at(i).h < c.at(chosen[0]).h - 1e-9)) chosen[0] = i;
+  if (chosen[0] < 0) return;
+  const Vec3 o = c.at(chosen[0]).p;
+  double best = 1e-18;
+  for (int i = 0; i < c.count; ++i) {
+    const Vec3 gap = c.at(i).p - o, flat = gap - n * dot(gap, n);
+    if (c.at(i).h < margin && dot(flat, flat) > best + 1e-12) {
+      best = dot(flat, flat);
+      chosen[1] = i;
+    }
+  }
+  if (chosen[1] >= 0) {
+    const Vec3 across = cross(n, c.at(chosen[1]).p - o);
+    const double slack = 1e-6 * best;
+    double left = slack, right = -slack;
+    for (int i = 0; i < c.count; ++i) {
+      if (!(c.at(i).h < margin)) continue;
+      const double area = dot(across, c.at(i).p - o);
+      if (area > left + slack) {
+        left = area;
+        chosen[2] = i;
+      }
+      if (area < right - slack) {
+        right = area;
+        chosen[3] = i;
+      }
+    }
+  }
+  std::sort(chosen, chosen + 4);
+  for (int k = 0; k < 4; ++k) {
+    if (chosen[k] < 0 || (k > 0 && chosen[k] == chosen[k - 1])) continue;
+    const Candidate& point = c.at(chosen[k]);
+    out.add(point.p - n * (0.5 * point.h), contact_normal, point.h, point.feature);
+  }
+}
+
+bool has_face(const Patch& p) { return p.count > 2; }
+bool along_each_other(const Patch& a, const Patch& b) {
+  if (a.count != 2 || b.count != 2) return false;
+  const Vec3 u = normalized(a.at(1).p - a.at(0).p), v = normalized(b.at(1).p - b.at(0).p), s = cross(u, v);
+  return dot(s, s) < parallel_sin2;
+}
+
+}  // namespace
+
+void add_convex_convex(const Collider& a, const Pose& X_a, const Collider& b, const Pose& X_b, double margin, GilbertCache& cache,
+                       PenetrationWorkspace& workspace, Manifold& out) {
+  GilbertOptions options;
+  options.farthest = margin;
+  const SignedDistance d = signed_distance(a.support, X_a, b.support, X_b, cache, workspace, options);
+  const bool known =
+      d.status == DistanceStatus::separated || d.status == DistanceStatus::penetrating || d.status == DistanceStatus::not_converged;
+  if (!known || !(d.distance < margin)) return;
+
+  const double bias = 1e-4 * std::min(a.thickness, b.thickness);
+  Patch on_a, on_b;
+  find_patch(a, X_a, -d.n, cache.count > 0 ? cache.a[0] : 0, on_a);
+  find_patch(b, X_b, d.n, cache.count > 0 ? cache.b[0] : 0, on_b);
+  Candidates points;
+  // The face that is better across the shortest way; a's, unless b's is clearly so, that contacts do not flicker.
+  const auto lean = [&](const Patch& p) { return norm(cross(p.normal, d.n)); };
+  const bool b_first = has_face(on_b) && has_face(on_a) && lean(on_b) < lean(on_a) - 1e-4;
+  for (const bool of_b : {b_first, !b_first}) {
+    const Patch &reference = of_b ? on_b : on_a, &incident = of_b ? on_a : on_b;
+    if (!has_face(reference) || incident.count < 2) continue;
+    cut(reference, incident, reference.normal, of_b ? 2 : 1, points);
+    if (std::fabs(least_height(points) - d.distance) <= bias)
+      return add_four(points, reference.normal, margin, of_b ? reference.normal : -reference.normal, out);
+  }
+  if (along_each_other(on_a, on_b)) {
+    cut(on_b, on_a, d.n, 3, points);
+    if (points.count == 2 && std::fabs(least_height(points) - d.distance) <= bias) return add_four(points, d.n, margin, d.n, out);
+  }
+  out.add((d.pa + d.pb) * 0.5, d.n, d.distance, 0);
+}
+
+void add_convex_ground(const Collider& a, const Pose& X, double height, double margin, std::int32_t& hint,
+                       std::vector<ManifoldPoint>& scratch, Manifold& out) {
+  constexpr Vec3 up{0, 0, 1};
+  const auto add = [&](const Vec3& p, std::uint32_t feature) {
+    const double distance = p.z - height;
+    if (distance < margin) scratch.push_back({{p.x, p.y, height + 0.5 * distance}, up, distance, feature});
+  };
+  scratch.clear();
+  const Vec3 down = transpose_times(X.R, -up);
+  const Support& s = a.support;
+  const SupportPoint lowest = find_support(s, down, hint);
+  hint = lowest.vertex;
+  const Vec3 low = X * lowest.p - up * s.radius;
+  if (!(low.z - height < margin)) return;
+  if (s.kind == SupportKind::hull) {
+    for (std::size_t i = 0; i < s.hull->vertices.size(); ++i) add(X * s.hull->vertices[i], static_cast<std::uint32_t>(i) & 0xffffffU);
+    return add_spanning(scratch, 1e-4 * a.thickness, out);
+  }
+  if (s.kind == SupportKind::cylinder) {
+    const double r = s.size.x, z = down.z < 0 ? -s.size.z : s.size.z, aside = std::sqrt(down.x * down.x + down.y * down.y);
+    const std::uint32_t end = down.z < 0 ? 0 : 8;
+    add(X * Vec3{r, 0, z}, end);
+    add(X * Vec3{0, r, z}, end + 1);
+    add(X * Vec3{-r, 0, z}, end + 2);
+    add(X * Vec3{0, -r, z}, end + 3);
+    if (aside > 1e-6) {
+      add(X * Vec3{r * down.x / aside, r * down.y / aside, z}, end + 4);
+      add(X * Vec3{r * down.x / aside, r * down.y / aside, -z}, end + 5);
+    }
+    for (const ManifoldPoint& p : scratch) out.add(p.p, p.n, p.distance, p.feature);
+    return;
+  }
+  add(low, 0);
+  for (const ManifoldPoint& p : scratch) out.add(p.p, p.n, p.distance, p.feature);
+}
+
+}  // namespace ugoki::collision

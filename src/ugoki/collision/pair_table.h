@@ -1,0 +1,53 @@
+#pragma once
+// What pairs of shapes remember from step to step, by the pair's number; internal to collision.
+
+#include <cstdint>
+#include <vector>
+
+#include "ugoki/collision/gilbert.h"
+
+namespace ugoki::collision {
+
+/// Open addressing; grows when half full, never forgets. Finding a pair that was there before does not allocate.
+class PairTable {
+ public:
+  /// The pair's memory; new and empty at the first call. Valid until the next call.
+  /// @param key not 0
+  [[nodiscard]] GilbertCache& at(std::uint64_t key) {
+    if (2 * (used_ + 1) > slots_.size()) grow();
+    Slot& slot = slots_[place_of(key)];
+    if (slot.key == 0) {
+      slot.key = key;
+      ++used_;
+    }
+    return slot.cache;
+  }
+  void clear() {
+    slots_.clear();
+    used_ = 0;
+  }
+
+ private:
+  struct Slot {
+    std::uint64_t key = 0;
+    GilbertCache cache;
+  };
+  [[nodiscard]] std::size_t place_of(std::uint64_t key) const {
+    std::uint64_t h = key * 0x9e3779b97f4a7c15ULL;
+    h ^= h >> 32;
+    std::size_t i = static_cast<std::size_t>(h) & (slots_.size() - 1);
+    while (slots_[i].key != 0 && slots_[i].key != key) i = (i + 1) & (slots_.size() - 1);
+    return i;
+  }
+  void grow() {
+    std::vector<Slot> old(slots_.empty() ? 64 : 2 * slots_.size());
+    old.swap(slots_);
+    for (const Slot& slot : old)
+      if (slot.key != 0) slots_[place_of(slot.key)] = slot;
+  }
+
+  std::vector<Slot> slots_;
+  std::size_t used_ = 0;
+};
+
+}  // namespace ugoki::collision

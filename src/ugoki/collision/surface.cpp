@@ -1,0 +1,151 @@
+#include "ugoki/collision/surface.h"
+
+#include <algorithm>
+
+namespace ugoki::collision {
+namespace {
+
+constexpr double on_side = 1e-7;   // of the longest side: closer to a side than this lies on it
+constexpr double aligned = 1e-6;   // sine: directions closer than this are one
+constexpr int most_around = 1000;  // triangles around a corner that are looked at
+
+double square(double x) { return x * x; }
+
+/// The normal n lies between those of the two triangles that share a side, which stands out.
+bool between(const Vec3& m, const Vec3& other, const Vec3& n) {
+  const Vec3 turn = cross(m, other);
+  return dot(cross(m, n), turn) >= -aligned * norm(turn) && dot(cross(n, other), turn) >= -aligned * norm(turn);
+}
+
+/// Is corner k of the facet farthest along n of all the corners around it? Then a body in that direction touches it.
+bool corner_stands_out(const Surface& surface, const Surface::Facet& facet, int k, const Vec3& n, bool& least) {
+  const Vec3 v = facet.p[static_cast<std::size_t>(k)];
+  const auto slopes = [&](const Vec3& p) { return dot(n, p - v) > aligned * norm(p - v); };
+  for (const int way : {0, 1}) {  // round the corner one way, and where the surface ends the other way
+    Surface::Facet here = facet;
+    int corner = k;
+    for (int step = 0; step < most_around; ++step) {
+      if (slopes(here.p[static_cast<std::size_t>((corner + 1) % 3)]) || slopes(here.p[static_cast<std::size_t>((corner + 2) % 3)]))
+        return false;
+      const std::int32_t next = surface.across(here.index, way == 0 ? corner : (corner + 2) % 3);
+      if (next < 0) break;
+      if (next == facet.index) return true;
+      least = least && facet.index < next;
+      here = surface.facet(next);
+      corner = -1;
+      for (int i = 0; i < 3; ++i)
+        if (here.p[static_cast<std::size_t>(i)] == v) corner = i;
+      if (corner < 0) return true;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Surface::Facet Surface::facet(std::int32_t t) const {
+  Facet out;
+  out.index = t;
+  if (field_ != nullptr) {
+    const int cell = t / 2, column = cell % (field_->columns - 1), row = cell / (field_->columns - 1);
+    out.p[0] = field_->point(column, row);
+    out.p[1] = t % 2 == 0 ? field_->point(column + 1, row) : field_->point(column + 1, row + 1);
+    out.p[2] = t % 2 == 0 ? field_->point(column + 1, row + 1) : field_->point(column, row + 1);
+  } else {
+    for (int k = 0; k < 3; ++k) out.p[static_cast<std::size_t>(k)] = prepared_->spheres.corner(t, k) + prepared_->spheres.centre;
+  }
+  out.n = normalized(cross(out.p[1] - out.p[0], out.p[2] - out.p[0]));
+  return out;
+}
+
+std::int32_t Surface::across(std::int32_t t, int k) const {
+  if (field_ == nullptr) return prepared_->across[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)];
+  const int columns = field_->columns - 1, rows = field_->rows - 1, cell = t / 2, column = cell % columns, row = cell / columns;
+  if (t % 2 == 0) {  // sides: below, right, diagonal
+    if (k == 0) return row > 0 ? 2 * (cell - columns) + 1 : -1;
+    if (k == 1) return column + 1 < columns ? 2 * (cell + 1) + 1 : -1;
+    return t + 1;
+  }
+  if (k == 0) return t - 1;  // diagonal, above, left
+  if (k == 1) return row + 1 < rows ? 2 * (cell + columns) : -1;
+  return column > 0 ? 2 * (cell - 1) : -1;
+}
+
+void Surface::collect_cells(const Bounds& box, std::vector<std::int32_t>& out) const {
+  const auto first = [](double x, double half, int cells) {
+    return static_cast<int>(std::clamp((x / half + 1) * 0.5 * cells, 0.0, static_cast<double>(cells)));
+  };
+  const int columns = field_->columns - 1, rows = field_->rows - 1;
+  if (!(box.low.x <= field_->half_x && box.high.x >= -field_->half_x && box.low.y <= field_->half_y && box.high.y >= -field_->half_y))
+    return;
+  const int c1 = std::min(first(box.high.x, field_->half_x, columns), columns - 1);
+  const int r1 = std::min(first(box.high.y, field_->half_y, rows), rows - 1);
+  for (int row = std::min(first(box.low.y, field_->half_y, rows), rows - 1); row <= r1; ++row)
+    for (int column = std::min(first(box.low.x, field_->half_x, columns), columns - 1); column <= c1; ++column) {
+      const double a = field_->point(column, row).z, b = field_->point(column + 1, row).z, c = field_->point(column + 1, row + 1).z,
+                   d = field_->point(column, row + 1).z;
+      if (std::max({a, b, c, d}) < box.low.z) continue;  // what is below the surface counts, however deep
+      out.push_back(2 * (row * columns + column));
+      out.push_back(2 * (row * columns + column) + 1);
+    }
+}
+
+void Surface::collect(const Bounds& box, std::vector<std::int32_t>& stack, std::vector<std::int32_t>& out) const {
+  if (field_ != nullptr) return collect_cells(box, out);
+  const SphereTree& tree = prepared_->spheres;
+  if (tree.empty()) return;
+  const Vec3 low = box.low - tree.centre, high = box.high - tree.centre;
+  stack.clear();
+  stack.push_back(0);
+  while (!stack.empty()) {
+    const BoundBlock& block = tree.blocks[static_cast<std::size_t>(stack.back())];
+    stack.pop_back();
+    for (int lane = 0; lane < block.count; ++lane) {
+      double d2 = 0;
+      for (int i = 0; i < 3; ++i) {
+        const double c = block.sphere[i][lane];
+        d2 += square(c < low[i] ? low[i] - c : c > high[i] ? c - high[i] : 0);
+      }
+      if (d2 > square(block.radius[lane])) continue;
+      const std::int32_t child = block.child[lane];
+      if (child >= 0)
+        stack.push_back(child);
+      else
+        out.push_back(-1 - child);
+    }
+  }
+}
+
+bool touches_from(const Surface& surface, const Surface::Facet& f, const Vec3& q, const Vec3& n) {
+  const double along = dot(n, f.n);
+  if (along > 1 - 0.5 * aligned * aligned) return true;
+  if (surface.closed() && along <= -1 + 1e-9) return false;
+  const double size = std::max({norm(f.p[1] - f.p[0]), norm(f.p[2] - f.p[1]), norm(f.p[0] - f.p[2])});
+  int sides[3], count = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 from = f.p[static_cast<std::size_t>(k)], edge = f.p[static_cast<std::size_t>((k + 1) % 3)] - from;
+    const Vec3 inward = normalized(cross(f.n, edge), {});
+    if (dot(inward, q - from) < on_side * size) sides[count++] = k;
+  }
+  if (count == 0) return !surface.closed() || along > 0.999;  // inside the triangle: out of a solid one only
+  if (count == 1) {
+    const std::int32_t next = surface.across(f.index, sides[0]);
+    if (next < 0) return !surface.closed() || along > -aligned;
+    if (next < f.index) return false;
+    const Surface::Facet other = surface.facet(next);
+    // beyond the side the other triangle must fall away
+    const Vec3 from = f.p[static_cast<std::size_t>(sides[0])];
+    double height = 0, far = 0;
+    for (const Vec3& p : other.p) {
+      const double h = dot(f.n, p - from);
+      if (std::fabs(h) > std::fabs(height)) height = h;
+      far = std::max(far, norm(p - from));
+    }
+    return height < -aligned * far && between(f.n, other.n, n);
+  }
+  const int corner = (sides[0] == 0 && sides[1] == 2) ? 0 : sides[1];
+  bool least = true;
+  return corner_stands_out(surface, f, corner, n, least) && least;
+}
+
+}  // namespace ugoki::collision

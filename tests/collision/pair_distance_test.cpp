@@ -1,0 +1,245 @@
+// Distances whatever the shapes, against each other's methods; and the switch between hulls and surfaces.
+
+#include "ugoki/collision/pair_distance.h"
+
+#include <gtest/gtest.h>
+
+#include "allocation_count.h"
+#include "random_shapes.h"
+#include "ugoki/geometry/make_hull.h"
+
+namespace ugoki::collision {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Boxes whose surfaces together are one mesh: outside of all of them, its distance is that of the nearest box.
+struct Boxes {
+  std::vector<Shape> parts;
+  Collider collider;
+};
+
+Boxes make_boxes(const std::vector<Shape>& parts) {
+  Boxes out;
+  out.parts = parts;
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  for (const Shape& part : parts) {
+    const auto first = static_cast<std::int32_t>(vertices.size());
+    for (int k = 0; k < 8; ++k) {
+      const Vec3& h = part.half_extents;
+      vertices.push_back(part.X_BS * Vec3{(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z});
+    }
+    for (const auto& [a, b, c, d] :
+         std::vector<std::array<std::int32_t, 4>>{{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}) {
+      triangles.push_back({first + a, first + b, first + c});
+      triangles.push_back({first + a, first + c, first + d});
+    }
+  }
+  const GeometryPtr surface = make_geometry(vertices, triangles, false, "boxes").value();
+  Hull hull = geometry::make_hull(surface->vertices).value();
+  const PreparedPtr prepared = make_prepared(*surface, std::move(hull), {}, "boxes").value();
+  out.collider = make_collider(Shape::mesh(with_prepared(*surface, prepared)));
+  return out;
+}
+
+/// A U, open to the top, 1 m wide.
+Boxes horseshoe() {
+  return make_boxes({Shape::box({0.5, 0.1, 0.1}, {Mat3::identity(), {0, 0, 0}}),
+                     Shape::box({0.1, 0.1, 0.5}, {Mat3::identity(), {-0.4, 0, 0.4}}),
+                     Shape::box({0.1, 0.1, 0.5}, {Mat3::identity(), {0.4, 0, 0.4}})});
+}
+/// Three bars through one point.
+Boxes jack(double size) {
+  const double thin = 0.1 * size;
+  return make_boxes({Shape::box({size, thin, thin}), Shape::box({thin, size, thin}), Shape::box({thin, thin, size})});
+}
+
+/// Least distance of any two of their boxes.
+double by_parts(const Boxes& a, const Pose& A, const Boxes& b, const Pose& B) {
+  double least = infinity;
+  for (const Shape& p : a.parts)
+    for (const Shape& q : b.parts) least = std::min(least, closed_form_distance(p, A * p.X_BS, q, B * q.X_BS).distance);
+  return least;
+}
+
+TEST(PairDistance, ClosedFormsAgreeWithGilbert) {
+  test::Random random(6);
+  PairCache cache;
+  DistanceWorkspace workspace;
+  int overlaps = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Collider a = make_collider(random.shape()), b = make_collider(random.shape());
+    const Pose A = random.pose(0.7), B = random.pose(0.7);
+    const PairDistance d = find_pair_distance(a, A, b, B, infinity, cache, workspace);
+    EXPECT_EQ(d.method, DistanceMethod::closed_form);
+    EXPECT_TRUE(d.exact);
+    GilbertCache fresh;
+    const SignedDistance g = signed_distance(a.support, A, b.support, B, fresh, workspace.penetration);
+    EXPECT_NEAR(d.distance, g.distance, 1e-8) << i << " types " << int(a.shape.type) << int(b.shape.type);
+    EXPECT_LT(norm(d.pa - d.pb - d.n * d.distance), 1e-9);
+    overlaps += d.distance < 0 ? 1 : 0;
+  }
+  EXPECT_GT(overlaps, 500);
+}
+
+TEST(PairDistance, SurfacesAgreeWithTheirPartsNearAndFar) {
+  test::Random random(7);
+  const Boxes a = horseshoe(), b = jack(0.3);
+  DistanceWorkspace workspace;
+  int by_method[5]{};
+  for (int i = 0; i < 60; ++i) {
+    PairCache cache;
+    Pose A = random.pose(0.1), B = random.pose(i % 3 == 0 ? 3.0 : 0.8);
+    const Vec3 drift = random.vec(0.02), spin = random.vec(0.02);
+    for (int step = 0; step < 40; ++step) {
+      B = {to_matrix(exp_map(spin)) * B.R, B.p + drift};
+      const double expected = by_parts(a, A, b, B);
+      const PairDistance d = find_pair_distance(a.collider, A, b.collider, B, infinity, cache, workspace);
+      ++by_method[static_cast<int>(d.method)];
+      if (expected <= 0) continue;
+      ASSERT_TRUE(d.exact);
+      ASSERT_NEAR(d.distance, expected, 1e-10) << i << " step " << step << " method " << int(d.method);
+      ASSERT_LE(d.lower, d.distance);
+      ASSERT_LT(norm(d.pa - d.pb - d.n * d.distance), 1e-9);
+    }
+  }
+  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::hulls)], 50);  // where vertices of the hulls are nearest
+  EXPECT_GT(by_method[static_cast<int>(DistanceMethod::bubble)], 500);
+}
+
+TEST(PairDistance, ConvexShapesAgreeWithThePartsOfAMesh) {
+  test::Random random(17);
+  const Boxes a = horseshoe();
+  DistanceWorkspace workspace;
+  int compared = 0;
+  for (int i = 0; i < 400; ++i) {
+    PairCache cache, turned;
+    const Collider b = make_collider(random.shape());
+    const Pose A = random.pose(0.1), B = random.pose(1.2);
+    double expected = infinity;
+    for (const Shape& part : a.parts) expected = std::min(expected, closed_form_distance(part, A * part.X_BS, b.shape, B).distance);
+    if (expected <= 1e-6) continue;
+    ++compared;
+    const PairDistance d = find_pair_distance(a.collider, A, b, B, infinity, cache, workspace);
+    const PairDistance e = find_pair_distance(b, B, a.collider, A, infinity, turned, workspace);
+    ASSERT_NEAR(d.distance, expected, 1e-9) << i << " type " << int(b.shape.type);
+    ASSERT_NEAR(e.distance, expected, 1e-9) << i;
+    ASSERT_LT(norm(d.pa - d.pb - d.n * d.distance), 1e-8);
+    ASSERT_LT(norm(d.n + e.n), 1e-6);
+  }
+  EXPECT_GT(compared, 100);
+}
+
+TEST(PairDistance, MeshesThatOverlapHaveADepth) {
+  const Boxes a = make_boxes({Shape::box({0.5, 0.5, 0.5})}), b = make_boxes({Shape::box({0.2, 0.2, 0.2})});
+  PairCache cache;
+  DistanceWorkspace workspace;
+  const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0.02, 0.01, 0.65}}, a.collider, {}, infinity, cache, workspace);
+  EXPECT_NEAR(d.distance, -0.05, 1e-12);
+  EXPECT_NEAR(d.n.z, 1, 1e-12);
+}
+
+TEST(PairDistance, WhatIsFarEnoughIsLeftAtABound) {
+  test::Random random(8);
+  const Boxes a = horseshoe(), b = jack(0.3);
+  PairCache cache;
+  DistanceWorkspace workspace;
+  int bounds = 0, exact = 0, hulls = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Pose A = random.pose(0.1), B = random.pose(1.2);
+    const double enough = random.in(0.01, 1), expected = by_parts(a, A, b, B);
+    if (expected <= 0) continue;
+    const PairDistance d = find_pair_distance(a.collider, A, b.collider, B, enough, cache, workspace);
+    if (d.exact) {
+      ++exact;
+      ASSERT_NEAR(d.distance, expected, 1e-10);
+    } else {
+      ++bounds;
+      ASSERT_GE(d.lower, enough * (1 - 1e-12));
+      ASSERT_LE(d.lower, expected + 1e-10);
+    }
+    hulls += d.method == DistanceMethod::hulls ? 1 : 0;
+  }
+  EXPECT_GT(bounds, 300);
+  EXPECT_GT(exact, 300);
+  EXPECT_GT(hulls, 100);
+}
+
+TEST(PairDistance, TheSwitchDoesNotChatter) {
+  // Up and down about the height at which the hulls are as far apart as is of interest, by a little each step.
+  const Boxes a = horseshoe(), b = jack(0.2);
+  PairCache cache;
+  DistanceWorkspace workspace;
+  const double enough = 0.05;
+  int changes = 0, steps_near = 0;
+  bool last = false;
+  test::Random random(1);
+  for (int i = 0; i < 2000; ++i) {
+    const double height = 0.9 + 0.2 + enough + random.in(-0.002, 0.002);  // tops of the horseshoe and the jack's arm
+    const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, height}}, a.collider, {}, enough, cache, workspace);
+    ASSERT_TRUE(d.method == DistanceMethod::bubble || d.lower >= enough);
+    changes += cache.near != last ? 1 : 0;
+    last = cache.near;
+    steps_near += last ? 1 : 0;
+  }
+  EXPECT_LE(changes, 1);
+  EXPECT_GT(steps_near, 1900);
+  // It comes back: far away again, the hulls do.
+  const PairDistance far = find_pair_distance(b.collider, {Mat3::identity(), {0, 0, 3}}, a.collider, {}, enough, cache, workspace);
+  EXPECT_FALSE(cache.near);
+  EXPECT_GE(far.lower, enough);
+  EXPECT_EQ(find_pair_distance(b.collider, {Mat3::identity(), {0, 0, 3}}, a.collider, {}, enough, cache, workspace).method,
+            DistanceMethod::hulls);
+}
+
+TEST(PairDistance, ThroughTheHoleBubbleMeasures) {
+  // The jack hangs between the arms of the horseshoe, well inside its hull.
+  const Boxes a = horseshoe(), b = jack(0.2);
+  PairCache cache;
+  DistanceWorkspace workspace;
+  const PairDistance d = find_pair_distance(b.collider, {Mat3::identity(), {0.05, 0, 0.5}}, a.collider, {}, 1, cache, workspace);
+  EXPECT_EQ(d.method, DistanceMethod::bubble);
+  EXPECT_NEAR(d.distance, 0.05, 1e-12);
+  EXPECT_NEAR(d.n.x, -1, 1e-9);
+}
+
+TEST(PairDistance, PosesThatAreNotFiniteAreToldApart) {
+  const Boxes a = horseshoe(), b = jack(0.2);
+  const Collider ball = make_collider(Shape::sphere(0.1)), drum = make_collider(Shape::cylinder(0.1, 0.2));
+  DistanceWorkspace workspace;
+  Pose bad;
+  bad.p.x = std::nan("");
+  for (const auto& [x, y] : std::vector<std::pair<const Collider*, const Collider*>>{
+           {&a.collider, &b.collider}, {&ball, &ball}, {&drum, &ball}, {&drum, &drum}}) {
+    PairCache cache;
+    const PairDistance d = find_pair_distance(*x, bad, *y, {}, infinity, cache, workspace);
+    EXPECT_FALSE(d.exact);
+    EXPECT_EQ(d.method, DistanceMethod::none);
+    EXPECT_EQ(d.lower, -infinity);
+    // And the memory of the pair is not spoiled by it.
+    const PairDistance good = find_pair_distance(*x, {Mat3::identity(), {3, 0, 0}}, *y, {}, infinity, cache, workspace);
+    EXPECT_TRUE(good.exact);
+    EXPECT_GT(good.distance, 1);
+  }
+}
+
+TEST(PairDistance, StepsAllocateNothing) {
+  const Boxes a = horseshoe(), b = jack(0.2);
+  const Collider drum = make_collider(Shape::cylinder(0.1, 0.2)), egg = make_collider(Shape::ellipsoid({0.1, 0.2, 0.3}));
+  PairCache one, two;
+  DistanceWorkspace workspace;
+  long before = 0;
+  for (int round = 0; round < 2; ++round) {
+    before = allocations_so_far();
+    for (int i = 0; i < 200; ++i) {
+      const Pose X{rotation_about({0, 0, 1}, 0.01 * i), {0, 0, 2.5 - 0.01 * i}};
+      (void)find_pair_distance(b.collider, X, a.collider, {}, infinity, one, workspace);
+      (void)find_pair_distance(drum, X, egg, {}, infinity, two, workspace);
+    }
+  }
+  EXPECT_EQ(allocations_so_far(), before);
+}
+
+}  // namespace
+}  // namespace ugoki::collision
