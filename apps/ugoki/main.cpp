@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
   add_info_verb(app, action);
   add_run_verb(app, action);
   add_judge_verb(app, action);
+  add_lsi_verb(app, action);
+  add_circuit_verb(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

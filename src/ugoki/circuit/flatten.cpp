@@ -83,7 +83,8 @@ class Flattener {
     top.place = "circuit";
     open(top, 1, {});
     std::vector<int> ports;
-    for (const BoundaryPin& pin : circuit.inputs) ports.push_back(add_port(pin));
+    for (std::size_t i = 0; i < circuit.inputs.size(); ++i)
+      ports.push_back(add_port(circuit.inputs[i], "circuit/inputs/" + std::to_string(i)));
     if (opened_ > max_items) return std::move(flat_);
     connect(top);
     for (std::size_t i = 0; i < circuit.inputs.size(); ++i) connect_port(top, i, ports[i]);
@@ -172,9 +173,7 @@ class Flattener {
     }
     const LsiClass* found = library_.find(lsi.type);
     if (!found) {
-      problem(ErrorCode::unknown, place + "/type",
-              "The LSI '" + lsi.type + "' (used as '" + id + "') is missing: neither a circuit here nor installed.",
-              "Install it, or replace '" + id + "'; the circuit keeps it until then.");
+      missing(lsi.type, id, place + "/type");
       return;
     }
     FlatLsi flat;
@@ -187,6 +186,23 @@ class Flattener {
     set_values(flat, lsi, place);
     level.items[lsi.id].lsi = static_cast<int>(flat_.lsis.size());
     flat_.lsis.push_back(std::move(flat));
+  }
+
+  /// What is not installed, and how to get it.
+  void missing(const std::string& type, const std::string& id, std::string place) {
+    const auto slash = type.find('/');
+    if (slash == std::string::npos)
+      return problem(
+          ErrorCode::unknown, std::move(place),
+          "The LSI '" + type + "' (used as '" + id + "') is missing: neither a circuit here nor installed, or in several libraries.",
+          "Install it, or replace '" + id + "'; the circuit keeps it until then.");
+    const std::string library = type.substr(0, slash);
+    const bool other =
+        std::any_of(library_.classes().begin(), library_.classes().end(), [&](const LsiClass& c) { return c.from == library; });
+    problem(ErrorCode::unknown, std::move(place),
+            "The LSI '" + type.substr(slash + 1) + "' of the library '" + library + "' (used as '" + id +
+                "') is missing: " + (other ? "the installed '" + library + "' does not have it." : "the library is not installed."),
+            "Install it with `ugoki lsi install " + library + ".so`, or replace '" + id + "'; the circuit keeps it until then.");
   }
 
   /// Parameters given to a circuit, as parameters of what is inside.
@@ -278,24 +294,28 @@ class Flattener {
       } else if (numbers.size() != wanted || !finite) {
         problem(ErrorCode::range, at, "'" + flat.id + "." + pin.name + "' needs " + std::to_string(wanted) + " finite numbers.",
                 "Give a list of that many.");
+      } else if (pin.minimum < pin.maximum &&
+                 !std::all_of(numbers.begin(), numbers.end(), [&](double x) { return x >= pin.minimum && x <= pin.maximum; })) {
+        problem(ErrorCode::range, at,
+                "'" + flat.id + "." + pin.name + "' is meant for " + to_text(pin.minimum) + " to " + to_text(pin.maximum) + ".",
+                "Give a value in that range.");
       } else {
         flat.inputs[static_cast<std::size_t>(k)].value = std::move(numbers);
       }
     }
   }
 
-  int add_port(const BoundaryPin& pin) {
+  int add_port(const BoundaryPin& pin, const std::string& place) {
     FlatLsi flat;
     flat.id = "input:" + pin.name;
     flat.lsi_class = &input_class(pin.type);
     flat.place = "circuit/inputs";
     if (pin_type(pin.type).default_count == 0)
-      problem(ErrorCode::unsupported, "circuit/inputs/" + pin.name,
+      problem(ErrorCode::unsupported, place,
               "An input of the outermost circuit cannot be of the type '" + std::string(pin_type(pin.type).name) + "'.",
               "Use a type of fixed size.");
     for (const FlatPort& port : flat_.inputs)
-      if (port.name == pin.name)
-        problem(ErrorCode::duplicate, "circuit/inputs/" + pin.name, "Two inputs are called '" + pin.name + "'.", "Rename one.");
+      if (port.name == pin.name) problem(ErrorCode::duplicate, place, "Two inputs are called '" + pin.name + "'.", "Rename one.");
     const int i = static_cast<int>(flat_.lsis.size());
     flat_.inputs.push_back({pin.name, {i, 0}});
     flat_.lsis.push_back(std::move(flat));
@@ -397,7 +417,31 @@ class Flattener {
     return std::any_of(lsis.begin(), lsis.end(), [&](const Instance& lsi) { return lsi.id == id; });
   }
 
+  /// Parameters of a circuit lead to parameters inside.
+  void check_parameters(const Level& level) {
+    for (std::size_t i = 0; i < level.circuit->parameters.size(); ++i)
+      for (const std::string& end : level.circuit->parameters[i].ends) {
+        const auto [id, name] = split(end);
+        const std::string place = level.place + "/parameters/" + std::to_string(i) + "/to";
+        const auto item = level.items.find(id);
+        bool found = false;
+        if (item == level.items.end()) {
+          found = is_missing(level, id);
+        } else if (item->second.level) {
+          const auto& inner = item->second.level->circuit->parameters;
+          found = std::any_of(inner.begin(), inner.end(), [n = name](const BoundaryParameter& p) { return p.name == n; });
+        } else {
+          found = flat_.lsis[static_cast<std::size_t>(item->second.lsi)].lsi_class->find_parameter(name) >= 0;
+        }
+        if (!found)
+          problem(ErrorCode::unknown, place,
+                  "The circuit's parameter '" + level.circuit->parameters[i].name + "' leads to '" + end + "', which is not there.",
+                  "Name a parameter inside as \"id.parameter\".");
+      }
+  }
+
   void connect(const Level& level) {
+    check_parameters(level);
     for (std::size_t i = 0; i < level.circuit->wires.size(); ++i) {
       const Wire& wire = level.circuit->wires[i];
       const std::string place = level.place + "/wires/" + std::to_string(i);

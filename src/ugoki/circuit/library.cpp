@@ -68,7 +68,7 @@ std::uint64_t LsiClass::state_layout() const {
 }
 
 void Library::add(LsiClass c) {
-  UGOKI_CHECK(!c.name.empty() && !find(c.name));
+  UGOKI_CHECK(!c.name.empty() && !has(c.name));
   check_names(c.inputs);
   check_names(c.outputs);
   check_names(c.parameters);
@@ -103,10 +103,23 @@ void Library::add(LsiClass c) {
   classes_.insert(at, std::move(c));
 }
 
-const LsiClass* Library::find(std::string_view name) const {
+const LsiClass* Library::find_exactly(std::string_view name) const {
   const auto at =
       std::lower_bound(classes_.begin(), classes_.end(), name, [](const LsiClass& a, std::string_view n) { return a.name < n; });
   return at != classes_.end() && at->name == name ? &*at : nullptr;
+}
+
+bool Library::has(std::string_view name) const { return find_exactly(name) != nullptr; }
+
+const LsiClass* Library::find(std::string_view name) const {
+  const LsiClass* found = find_exactly(name);
+  if (found || name.find('/') != std::string_view::npos) return found;
+  for (const LsiClass& c : classes_) {
+    if (c.from.empty() || c.name.size() != c.from.size() + 1 + name.size() || !c.name.ends_with(name)) continue;
+    if (found) return nullptr;  // two libraries have it: the circuit must say which
+    found = &c;
+  }
+  return found;
 }
 
 }  // namespace ugoki::circuit

@@ -1,7 +1,6 @@
 #include "ugoki/circuit/plan.h"
 
 #include <algorithm>
-#include <functional>
 #include <queue>
 
 namespace ugoki::circuit {
@@ -11,6 +10,9 @@ const FlatLsi& at(const FlatCircuit& flat, int i) { return flat.lsis[static_cast
 const OutputPin& output_of(const FlatCircuit& flat, const Source& s) {
   return at(flat, s.lsi).lsi_class->outputs[static_cast<std::size_t>(s.pin)];
 }
+
+/// "circuit/lsis/3 'arm'"
+std::string place_of(const FlatLsi& lsi) { return lsi.place + " '" + lsi.id + "'"; }
 
 /// Every input with a wire: visit(lsi, pin, source).
 template <class Visit>
@@ -45,7 +47,7 @@ void resolve_sizes(const FlatCircuit& flat, std::vector<Setup>& setups, Error& p
     if (lsi.lsi_class->configure) lsi.lsi_class->configure(setup);
     if (setup.outputs() == before) continue;
     if (++visits[i] > 64) {
-      problems.add(ErrorCode::structure, lsi.id, "The sizes of '" + lsi.id + "' do not settle.",
+      problems.add(ErrorCode::structure, place_of(lsi), "The sizes of '" + lsi.id + "' do not settle.",
                    "Insert a delay of a given size into the circle of wires it is in.");
       return;
     }
@@ -62,7 +64,8 @@ void check_sizes(const FlatCircuit& flat, const std::vector<Setup>& setups, Erro
     const FlatLsi& lsi = flat.lsis[i];
     for (std::size_t pin = 0; pin < lsi.lsi_class->outputs.size(); ++pin)
       if (setups[i].outputs()[pin].count == 0)
-        problems.add(ErrorCode::structure, lsi.id, "Nothing decides the size of '" + lsi.id + "." + lsi.lsi_class->outputs[pin].name + "'.",
+        problems.add(ErrorCode::structure, place_of(lsi),
+                     "Nothing decides the size of '" + lsi.id + "." + lsi.lsi_class->outputs[pin].name + "'.",
                      "Wire its inputs, or give the LSI its size as a parameter.");
   }
   if (!problems.empty()) return;
@@ -71,19 +74,19 @@ void check_sizes(const FlatCircuit& flat, const std::vector<Setup>& setups, Erro
     const std::uint32_t wanted = in.count ? in.count : pin_type(in.type).default_count;
     const std::uint32_t got = setups[static_cast<std::size_t>(s.lsi)].outputs()[static_cast<std::size_t>(s.pin)].count;
     if (wanted != 0 && wanted != got)
-      problems.add(ErrorCode::structure, at(flat, i).id,
+      problems.add(ErrorCode::structure, place_of(at(flat, i)),
                    "'" + at(flat, s.lsi).id + "." + output_of(flat, s).name + "' gives " + std::to_string(got) + " elements, '" +
                        at(flat, i).id + "." + in.name + "' takes " + std::to_string(wanted) + ".",
                    "Wire something of that size.");
     if (at(flat, s.lsi).every == 0 && at(flat, i).every != 0)
-      problems.add(ErrorCode::structure, at(flat, i).id,
+      problems.add(ErrorCode::structure, place_of(at(flat, i)),
                    "'" + at(flat, i).id + "' runs at every tick but takes '" + at(flat, s.lsi).id + "." + output_of(flat, s).name +
                        "', which is made only on demand.",
                    "Set \"every\" of '" + at(flat, s.lsi).id + "' to 1.");
   });
   for (const FlatLsi& lsi : flat.lsis)
     if (lsi.every == 0 && lsi.lsi_class->advance)
-      problems.add(ErrorCode::structure, lsi.id,
+      problems.add(ErrorCode::structure, place_of(lsi),
                    "'" + lsi.id + "' has a state that moves on with the ticks, so it cannot run on demand only.", "Set \"every\" to 1.");
 }
 
@@ -162,7 +165,8 @@ std::vector<int> order_steps(const FlatCircuit& flat, std::vector<std::uint32_t>
 Plan make_plan(const FlatCircuit& flat, const Resources* resources, double dt, Error& problems) {
   Plan plan;
   plan.setups.reserve(flat.lsis.size());
-  for (const FlatLsi& lsi : flat.lsis) plan.setups.emplace_back(lsi.id, *lsi.lsi_class, lsi.parameters, resources, dt, problems);
+  for (const FlatLsi& lsi : flat.lsis)
+    plan.setups.emplace_back(lsi.id, place_of(lsi), *lsi.lsi_class, lsi.parameters, resources, dt, problems);
   plan.order = order_steps(flat, plan.wave_ends, problems);
   resolve_sizes(flat, plan.setups, problems);
   if (!problems.empty()) return plan;

@@ -11,9 +11,10 @@ std::size_t numbers_of(ParameterKind kind) { return kind == ParameterKind::text 
 
 }  // namespace
 
-Setup::Setup(std::string id, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt,
-             Error& problems)
+Setup::Setup(std::string id, std::string place, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources,
+             double dt, Error& problems)
     : id_(std::move(id)),
+      place_(std::move(place)),
       class_(&lsi_class),
       parameters_(std::move(parameters)),
       resources_(resources),
@@ -61,7 +62,7 @@ const void* Setup::find_resource(std::string_view kind, std::string_view name) {
 }
 
 void Setup::fail(ErrorCode code, std::string message, std::string remedy) {
-  problems_->add(code, id_, std::move(message), std::move(remedy));
+  problems_->add(code, place_, std::move(message), std::move(remedy));
 }
 
 std::vector<double> Setup::numbers() const {

@@ -42,11 +42,12 @@ class Setup {
   const T* resource(std::string_view name) {
     return static_cast<const T*>(find_resource(T::resource_kind, name));
   }
-  /// Refuses the circuit; the place is this LSI.
+  /// Refuses the circuit; the place is this LSI: "circuit/lsis/3 'arm'".
   void fail(ErrorCode code, std::string message, std::string remedy);
 
   // For the builder.
-  Setup(std::string id, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt, Error& problems);
+  Setup(std::string id, std::string place, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt,
+        Error& problems);
   void set_in(std::size_t pin, std::vector<Shape> wires) { inputs_[pin] = std::move(wires); }
   [[nodiscard]] const std::vector<Shape>& outputs() const { return outputs_; }
   [[nodiscard]] std::size_t state_bytes() const { return state_bytes_ > class_->state_bytes ? state_bytes_ : class_->state_bytes; }
@@ -62,7 +63,7 @@ class Setup {
   const void* find_resource(std::string_view kind, std::string_view name);
   [[nodiscard]] const Value& value(std::string_view parameter) const;
 
-  std::string id_;
+  std::string id_, place_;
   const LsiClass* class_;
   std::vector<Value> parameters_;
   const Resources* resources_;

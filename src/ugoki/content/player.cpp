@@ -18,6 +18,8 @@ using lsi::EventRecord;
 
 struct Player::Machine {
   Executable content;
+  PlayerOptions options;
+  circuit::Circuit circuit;
   std::unique_ptr<lsi::World> world;
   std::unique_ptr<circuit::Interpreter> interpreter;
   PinView state, contacts, events, poses, figures, measures;
@@ -30,6 +32,11 @@ struct Player::Machine {
   [[nodiscard]] bool is_link(int character, int link) const {
     return character >= 0 && character < static_cast<int>(world->characters().size()) && link >= 0 &&
            link < world->characters()[static_cast<std::size_t>(character)].mechanism->link_count();
+  }
+  Result<void> bind();
+  [[nodiscard]] const circuit::Library& library() const { return options.library ? *options.library : lsi::standard_library(); }
+  [[nodiscard]] circuit::BuildOptions build_options() const {
+    return {.dt = content.step, .check_finite = true, .activity = options.activity};
   }
   void give(const EventRecord& record);
   void give_scheduled();
@@ -87,20 +94,28 @@ PinView find_pin(const circuit::Interpreter& interpreter, const char* name, PinT
 
 }  // namespace
 
-Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view name) {
+Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view name, PlayerOptions options) {
   Result<Executable> content = read_executable(ugx, name);
   if (!content) return fail(std::move(content.error()));
   auto machine = std::make_unique<Machine>();
   Machine& m = *machine;
   m.content = std::move(*content);
+  m.options = std::move(options);
   Result<circuit::Circuit> circuit = circuit::read_circuit(m.content.circuit, std::string(name) + ", section circuit");
   if (!circuit) return fail(std::move(circuit.error()));
+  m.circuit = std::move(*circuit);
   m.world = std::make_unique<lsi::World>(make_world(m.content));
-  Result<circuit::Interpreter> interpreter =
-      circuit::Interpreter::build(*circuit, lsi::standard_library(), m.world.get(), {.dt = m.content.step, .check_finite = true});
+  Result<circuit::Interpreter> interpreter = circuit::Interpreter::build(m.circuit, m.library(), m.world.get(), m.build_options());
   if (!interpreter) return fail(std::move(interpreter.error()));
   m.interpreter = std::make_unique<circuit::Interpreter>(std::move(*interpreter));
+  if (Result<void> bound = m.bind(); !bound) return fail(std::move(bound.error()));
+  m.inputs.reserve(1024);
+  return Player(std::move(machine));
+}
 
+/// Finds what the player reads and writes.
+Result<void> Player::Machine::bind() {
+  Machine& m = *this;
   Error problems;
   const std::size_t people = m.world->characters().size();
   const circuit::Interpreter& i = *m.interpreter;
@@ -115,8 +130,22 @@ Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view nam
     problems.add(ErrorCode::structure, "circuit/inputs", "The circuit has no input 'live' (event).",
                  "Give it the input of the default circuit: see docs/circuit.md.");
   if (!problems.empty()) return fail(std::move(problems));
-  m.inputs.reserve(1024);
-  return Player(std::move(machine));
+  return {};
+}
+
+Result<circuit::Interpreter::Adoption> Player::change_library(std::shared_ptr<const circuit::Library> library) {
+  Machine& m = *machine_;
+  const circuit::Library& next = library ? *library : lsi::standard_library();
+  Result<circuit::Interpreter> made = circuit::Interpreter::build(m.circuit, next, m.world.get(), m.build_options());
+  if (!made) return fail(std::move(made.error()));
+  circuit::Interpreter::Adoption report = made->adopt_report(*m.interpreter);
+  const std::vector<std::byte> given(m.live.begin(), m.live.end());
+  *m.interpreter = std::move(*made);
+  m.options.library = std::move(library);
+  if (Result<void> bound = m.bind(); !bound) return fail(std::move(bound.error()));
+  std::copy(given.begin(), given.end(), m.live.begin());
+  m.displayed = false;
+  return report;
 }
 
 Player::Player(std::unique_ptr<Machine> machine) : machine_(std::move(machine)) {}
@@ -130,6 +159,7 @@ double Player::step_size() const { return machine_->content.step; }
 std::uint64_t Player::step_count() const { return machine_->interpreter->ticks(); }
 double Player::time() const { return machine_->interpreter->time(); }
 const std::vector<PlayerInput>& Player::inputs() const { return machine_->inputs; }
+const circuit::Library& Player::library() const { return machine_->library(); }
 circuit::Interpreter& Player::interpreter() { return *machine_->interpreter; }
 
 void Player::Machine::give(const EventRecord& record) {

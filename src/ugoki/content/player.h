@@ -37,11 +37,18 @@ struct PlayerMeasures {
   int feet_on_ground = -1;  ///< now; -1: it has no feet
 };
 
+/// What the host of a player may give beyond the content.
+struct PlayerOptions {
+  std::shared_ptr<const circuit::Library> library;  ///< all LSIs that the circuit may use; null: lsi::standard_library()
+  circuit::Activity* activity = nullptr;            ///< where to note which LSI runs; outlives the player
+};
+
 class Player {
  public:
   /// Reads and checks executable data and builds everything; keeps no reference to the bytes.
   /// @param name for messages
-  [[nodiscard]] static Result<Player> open(std::span<const std::byte> ugx, std::string_view name = "executable data");
+  [[nodiscard]] static Result<Player> open(std::span<const std::byte> ugx, std::string_view name = "executable data",
+                                           PlayerOptions options = {});
 
   Player(Player&&) noexcept;
   Player& operator=(Player&&) noexcept;
@@ -91,7 +98,12 @@ class Player {
   /// Index of the link that is named or labelled so, or -1.
   [[nodiscard]] int find_link(int character, std::string_view name) const;
 
-  /// The running circuit: probes, timing, parameters.
+  /// Goes on with the LSIs of another library (one of them was rebuilt), each with its state where the layout allows it. An error
+  /// leaves all as it is.
+  [[nodiscard]] Result<circuit::Interpreter::Adoption> change_library(std::shared_ptr<const circuit::Library> library);
+  [[nodiscard]] const circuit::Library& library() const;
+
+  /// The running circuit: probes, timing, parameters. Another one after change_library.
   [[nodiscard]] circuit::Interpreter& interpreter();
 
  private:

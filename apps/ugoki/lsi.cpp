@@ -1,0 +1,305 @@
+// `ugoki lsi`: making, building, testing and installing libraries of software LSIs.
+
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "lsi_template.h"
+#include "output.h"
+#include "ugoki/circuit/class_json.h"
+#include "ugoki/circuit/example.h"
+#include "ugoki/files/files.h"
+#include "ugoki/lsi/standard_library.h"
+#include "ugoki/plugin/build.h"
+#include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/live_library.h"
+#include "ugoki/plugin/run_program.h"
+#include "ugoki/plugin/shelf.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string target, output, name, compiler, hash, shelf;
+  bool cpp = false, install = false, yes = false, all = false, json = false;
+};
+
+std::string shelf_of(const Options& o) { return o.shelf.empty() ? plugin::default_shelf() : o.shelf; }
+
+/// What a library declares, asked of a process of its own: it may crash, and is not trusted yet.
+Result<Json> describe(const std::string& path) {
+  const Result<plugin::ProgramOutput> ran = plugin::run_program({"/proc/self/exe", "lsi", "describe", path}, std::chrono::seconds(20));
+  if (!ran) return fail(ran.error());
+  const Result<Json> json = json::parse_json(ran->out, path);
+  if (ran->status == 0 && json) return *json;
+  Error error;
+  const Result<Json> told = json::parse_json(ran->err, path);
+  if (told && told->contains("problems") && (*told)["problems"].is_array())
+    for (const Json& p : (*told)["problems"])
+      error.add(ErrorCode::structure, p.value("place", path), p.value("message", ""), p.value("remedy", ""));
+  if (error.empty())
+    error.add(ErrorCode::structure, path,
+              "The library could not be opened: the process that tried it ended with status " + std::to_string(ran->status) + ".",
+              "Build it again: ugoki lsi build FILE.c");
+  return fail(std::move(error));
+}
+
+int run_describe(const Options& o) {
+  const auto tell = [](const Error& error) {
+    std::cerr << json::to_text(json::error_json(error));
+    return 1;
+  };
+  const Result<int> done = plugin::run_guarded([&] {
+    plugin::set_phase("The library '" + o.target + "' was being loaded");
+    const Result<std::string> text = plugin::describe_library(o.target);
+    plugin::set_phase({});
+    if (!text) return tell(text.error());
+    print_line(*text);
+    return 0;
+  });
+  return done ? *done : tell(done.error());
+}
+
+std::string pins_text(const Json& pins) {
+  std::string out;
+  for (const Json& p : pins) {
+    out += (out.empty() ? "" : ", ") + p.value("name", "");
+    if (const std::string unit = p.value("unit", ""); !unit.empty()) out += " [" + unit + "]";
+  }
+  return out.empty() ? "-" : out;
+}
+
+void print_classes(const Json& classes) {
+  std::vector<std::vector<std::string>> rows = {{"LSI", "inputs", "outputs", "parameters"}};
+  for (const Json& c : classes)
+    rows.push_back({c.value("name", ""), pins_text(c["inputs"]), pins_text(c["outputs"]), pins_text(c["parameters"])});
+  print_table(rows);
+}
+
+/// Asks on a terminal; elsewhere --yes or --hash must say it.
+Result<void> ask_consent(const Options& o, const Json& description, const std::string& path) {
+  const std::string hash = description.value("sha256", "");
+  if (!o.hash.empty() && o.hash != hash)
+    return fail(ErrorCode::conflict, path, "The file has the SHA-256 " + hash + ", not the one you gave.",
+                "Get the library again from where the hash comes from.");
+  if (o.yes || !o.hash.empty()) return {};
+  if (isatty(STDIN_FILENO) == 0)
+    return fail(ErrorCode::cancelled, path, "A library runs as a program of yours; installing it needs your consent.",
+                "If you trust it, add --yes, or --hash " + hash);
+  print_line("The library '" + description.value("name", "") + "' runs as a program of yours, with all your rights.\nSHA-256 " + hash +
+             "\nInstall it? [y/N] ");
+  std::string answer;
+  std::getline(std::cin, answer);
+  if (answer == "y" || answer == "Y" || answer == "yes") return {};
+  return fail(ErrorCode::cancelled, path, "It was not installed.", "");
+}
+
+Result<Json> install(const Options& o, const std::string& path) {
+  Result<Json> description = describe(path);
+  if (!description) return description;
+  if (Result<void> consent = ask_consent(o, *description, path); !consent) return fail(std::move(consent.error()));
+  const Result<plugin::ShelfEntry> entry = plugin::put_on_shelf(shelf_of(o), path, json::to_text(*description));
+  if (!entry) return fail(entry.error());
+  return description;
+}
+
+int run_new(const Options& o) {
+  const Result<std::vector<std::string>> files = make_template(o.target, o.cpp);
+  if (!files) return print_error(files.error(), o.json);
+  if (o.json) {
+    print_json({{"files", *files}});
+  } else {
+    for (const std::string& f : *files) print_line("wrote " + f);
+    print_line("Build it and run its test with: ugoki lsi test " + o.target);
+  }
+  return 0;
+}
+
+int run_build(const Options& o) {
+  const Result<plugin::BuildReport> report = plugin::build_library({o.target, o.output, o.name, o.compiler});
+  if (!report) return print_error(report.error(), o.json);
+  const Result<Json> description = o.install ? install(o, report->output) : describe(report->output);
+  if (!description) return print_error(description.error(), o.json);
+  if (o.json) {
+    print_json({{"library", report->name},
+                {"output", report->output},
+                {"compiler", report->compiler},
+                {"sha256", (*description)["sha256"]},
+                {"installed", o.install},
+                {"classes", (*description)["classes"]},
+                {"notes", report->notes},
+                {"warnings", report->warnings}});
+    return 0;
+  }
+  for (const std::string& w : report->warnings) print_line("warning: " + w);
+  for (const std::string& n : report->notes) print_line("note: " + n);
+  print_line("Built " + report->output + " with " + report->compiler + (o.install ? ", and installed it." : "."));
+  print_classes((*description)["classes"]);
+  return 0;
+}
+
+int run_install(const Options& o) {
+  const Result<Json> description = install(o, o.target);
+  if (!description) return print_error(description.error(), o.json);
+  if (o.json) {
+    print_json(*description);
+  } else {
+    print_line("Installed '" + description->value("name", "") + "' (SHA-256 " + description->value("sha256", "") + ").");
+    print_classes((*description)["classes"]);
+  }
+  return 0;
+}
+
+int run_list(const Options& o) {
+  Error problems;
+  const std::vector<plugin::ShelfEntry> shelf = plugin::read_shelf(shelf_of(o), &problems);
+  if (!problems.empty()) print_error(problems, false);
+  Json libraries = Json::array(), classes = Json::array();
+  for (const plugin::ShelfEntry& e : shelf) {
+    Json own = Json::array();
+    for (const circuit::LsiClass& c : e.classes) {
+      own.push_back(circuit::class_json(c));
+      classes.push_back(circuit::class_json(c));
+    }
+    libraries.push_back({{"name", e.name},
+                         {"version", e.version},
+                         {"doc", e.doc},
+                         {"sha256", e.hash},
+                         {"file", e.file},
+                         {"source", e.source},
+                         {"classes", own}});
+  }
+  Json built_in = Json::array();
+  if (o.all)
+    for (const circuit::LsiClass& c : lsi::standard_library().classes()) built_in.push_back(circuit::class_json(c));
+  if (o.json) {
+    Json out = {{"folder", shelf_of(o)}, {"libraries", libraries}};
+    if (o.all) out["built_in"] = built_in;
+    print_json(out);
+    return 0;
+  }
+  if (shelf.empty()) print_line("No library is installed in " + shelf_of(o) + ". Make one with: ugoki lsi new NAME");
+  for (const plugin::ShelfEntry& e : shelf) print_line(e.name + (e.version.empty() ? "" : " " + e.version) + "  SHA-256 " + e.hash);
+  if (!classes.empty()) print_classes(classes);
+  if (o.all) print_classes(built_in);
+  return 0;
+}
+
+int run_remove(const Options& o) {
+  if (Result<void> done = plugin::remove_from_shelf(shelf_of(o), o.target); !done) return print_error(done.error(), o.json);
+  if (o.json)
+    print_json({{"removed", o.target}});
+  else
+    print_line("Removed '" + o.target + "'.");
+  return 0;
+}
+
+/// Builds the sources of a folder and runs its *.test.json.
+int run_test(const Options& o) {
+  std::vector<std::string> sources, tests;
+  std::error_code ec;
+  for (const fs::directory_entry& e : fs::directory_iterator(o.target, ec)) {
+    const std::string path = e.path().string(), extension = e.path().extension().string();
+    if (extension == ".c" || extension == ".cpp" || extension == ".cc" || extension == ".cxx") sources.push_back(path);
+    if (path.ends_with(".test.json")) tests.push_back(path);
+  }
+  std::sort(sources.begin(), sources.end());
+  std::sort(tests.begin(), tests.end());
+  if (ec || sources.empty() || tests.empty())
+    return print_error(
+        Error(ErrorCode::io, o.target, "This is no folder with a source and a test (*.test.json).", "Make one with: ugoki lsi new NAME"),
+        o.json);
+  std::vector<std::string> libraries;
+  for (const std::string& source : sources) {
+    const Result<plugin::BuildReport> report = plugin::build_library({source, {}, {}, o.compiler});
+    if (!report) return print_error(report.error(), o.json);
+    for (const std::string& w : report->warnings) print_line("warning: " + w);
+    libraries.push_back(report->output);
+  }
+  const Result<int> done = plugin::run_guarded([&] {
+    plugin::LiveLibrary live(lsi::standard_library(), {}, libraries);
+    int failed = 0;
+    for (const std::string& m : live.take_messages()) {
+      std::cerr << m << '\n';
+      failed = 1;
+    }
+    for (const std::string& path : tests) {
+      const Result<std::string> text = files::read_file(path);
+      Result<circuit::Example> example = text ? circuit::read_example(*text, path) : fail(text.error());
+      const Result<void> passed = example ? circuit::check_example(*example, *live.library(), path) : fail(example.error());
+      if (passed)
+        print_line("passed  " + path);
+      else
+        failed = print_error(passed.error(), false);
+    }
+    return failed;
+  });
+  if (!done) return print_error(done.error(), o.json);
+  if (o.json) print_json({{"tests", tests.size()}, {"passed", *done == 0}});
+  return *done;
+}
+
+/// Builds and installs again whenever the file changes, until Ctrl+C.
+int run_watch(Options o) {
+  catch_interrupt();
+  o.yes = o.install = true;  // the author's own file, of which each version is wanted
+  fs::file_time_type seen{};
+  for (std::error_code ec; !interrupted(); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
+    const fs::file_time_type now = fs::last_write_time(o.target, ec);
+    if (ec || now == seen) continue;
+    seen = now;
+    run_build(o);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_lsi_verb(CLI::App& app, Action& action) {
+  auto options = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("lsi", "Make, build, test and install libraries of software LSIs.");
+  verb->require_subcommand(1);
+  const auto add = [&](const char* name, const char* doc, const char* target, const char* example, int (*run)(const Options&)) {
+    CLI::App* sub = verb->add_subcommand(name, doc);
+    if (*target) sub->add_option("target", options->target, target)->required();
+    sub->add_flag("--json", options->json, "Print one JSON object");
+    sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
+    sub->footer(std::string("Example:\n  ") + example);
+    sub->callback([options, run, &action] { action = [options, run] { return run(*options); }; });
+    return sub;
+  };
+  add("new", "Write a template: source, test and README.", "Name of the library, and of its folder",
+      "ugoki lsi new spring && ugoki lsi test spring", run_new)
+      ->add_flag("--cpp", options->cpp, "A C++ struct instead of a C function");
+  const auto add_build_options = [&](CLI::App* sub) {
+    sub->add_option("-o,--output", options->output, "The library to write (default: beside the source, *.so)");
+    sub->add_option("--name", options->name, "Name of the library (default: @library in the source, or the file's name)");
+    sub->add_option("--compiler", options->compiler, "Compiler (default: clang-19, clang, gcc; for C++ clang++-19, clang++, g++)");
+  };
+  CLI::App* build =
+      add("build", "Wrap the functions of a C or C++ file into a library.", "C or C++ file", "ugoki lsi build spring.c", run_build);
+  add_build_options(build);
+  build->add_flag("--install", options->install, "Install it too");
+  build->add_flag("--yes", options->yes, "Install without asking");
+  CLI::App* install_verb =
+      add("install", "Install a library, after your consent.", "Library, *.so", "ugoki lsi install spring.so", run_install);
+  install_verb->add_flag("--yes", options->yes, "Without asking");
+  install_verb->add_option("--hash", options->hash, "The SHA-256 that it must have; stands for your consent");
+  add("list", "List what is installed.", "", "ugoki lsi list --all", run_list)
+      ->add_flag("--all", options->all, "The program's own LSIs too");
+  add("remove", "Remove an installed library.", "Its name", "ugoki lsi remove spring", run_remove);
+  add("test", "Build the sources of a folder and run its tests (*.test.json).", "The folder", "ugoki lsi test spring", run_test)
+      ->add_option("--compiler", options->compiler, "Compiler");
+  add_build_options(add("watch", "Build and install a file whenever it changes.", "C or C++ file", "ugoki lsi watch spring.c",
+                        [](const Options& o) { return run_watch(o); }));
+  add("describe", "Print what a library declares.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)->group("");
+}
+
+}  // namespace ugoki::cli

@@ -1,0 +1,104 @@
+#include "ugoki/plugin/load.h"
+
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+
+#include "ugoki/circuit/setup.h"
+#include "ugoki/files/files.h"
+#include "ugoki/plugin/declarations.h"
+#include "ugoki/plugin/sha256.h"
+
+namespace ugoki::plugin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_bytes = std::size_t{256} << 20;
+
+struct Code {
+  void* handle = nullptr;
+  ~Code() {
+    if (handle) dlclose(handle);
+  }
+};
+
+/// Opens a copy of the bytes: the dynamic loader takes a file of a known name for the one that it has already.
+Result<std::shared_ptr<Code>> open_copy(const std::string& path, const std::string& bytes) {
+  std::error_code ec;
+  std::string folder = (fs::temp_directory_path(ec) / "ugoki-lsi-XXXXXX").string();
+  if (ec || ::mkdtemp(folder.data()) == nullptr)
+    return fail(ErrorCode::io, path, "There is no folder for temporary files.", "Set TMPDIR to one that can be written.");
+  const std::string copy = folder + "/" + fs::path(path).filename().string();
+  const Result<void> written = files::write_file(copy, std::string_view(bytes));
+  auto code = std::make_shared<Code>();
+  if (written) code->handle = dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL);
+  const char* why = written && !code->handle ? dlerror() : nullptr;
+  std::string reason = why ? why : "";
+  fs::remove_all(folder, ec);
+  if (!written) return fail(written.error());
+  if (code->handle) return code;
+  if (const auto at = reason.find(copy); at != std::string::npos) reason.replace(at, copy.size(), path);
+  return fail(ErrorCode::syntax, path, "The library cannot be opened: " + reason + ".", "Build it on this machine: ugoki lsi build FILE.c");
+}
+
+void* create_object(circuit::Setup& setup) {
+  const circuit::LsiClass& c = setup.lsi_class();
+  const std::vector<double> numbers = setup.numbers();
+  std::vector<const char*> texts;
+  for (std::size_t i = 0; i < c.parameters.size(); ++i)
+    if (c.parameters[i].kind == circuit::ParameterKind::text) texts.push_back(std::get_if<std::string>(&setup.parameters()[i])->c_str());
+  std::vector<std::uint32_t> in_count, out_count;
+  for (std::size_t i = 0; i < c.inputs.size(); ++i) in_count.push_back(setup.in(i).count);
+  for (const circuit::Shape& s : setup.outputs()) out_count.push_back(s.count);
+  char reason[512] = {};
+  ugoki_setup given{};
+  given.size = sizeof given;
+  given.dt = setup.dt();
+  given.parameters = numbers.data();
+  given.texts = texts.data();
+  given.in_count = in_count.data();
+  given.out_count = out_count.data();
+  given.reason = reason;
+  given.reason_size = sizeof reason;
+  void* object = c.abi->create(&given);
+  reason[sizeof reason - 1] = '\0';
+  if (!object)
+    setup.fail(ErrorCode::structure, std::string("The LSI could not be made: ") + (reason[0] ? reason : "it does not say why."),
+               "Check its parameters and wires.");
+  return object;
+}
+
+}  // namespace
+
+Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash) {
+  const Result<std::string> bytes = files::read_file(path, most_bytes);
+  if (!bytes) return fail(bytes.error());
+  LoadedLibrary out;
+  out.hash = sha256(*bytes);
+  if (!hash.empty() && out.hash != hash)
+    return fail(ErrorCode::conflict, path, "The file is not the one that was installed: its SHA-256 is " + out.hash + ".",
+                "Install it again if you trust it: ugoki lsi install FILE.so");
+  Result<std::shared_ptr<Code>> code = open_copy(path, *bytes);
+  if (!code) return fail(std::move(code.error()));
+  const auto entry = reinterpret_cast<const ugoki_library* (*)()>(dlsym((*code)->handle, "ugoki_lsi_library"));
+  if (!entry)
+    return fail(ErrorCode::syntax, path, "This is not a library of LSIs: it has no function ugoki_lsi_library.",
+                "Build it with: ugoki lsi build FILE.c");
+  Error problems;
+  Declared declared = read_declarations(entry(), path, problems);
+  if (!problems.empty()) return fail(std::move(problems));
+  out.name = std::move(declared.name);
+  out.version = std::move(declared.version);
+  out.doc = std::move(declared.doc);
+  out.classes = std::move(declared.classes);
+  for (circuit::LsiClass& c : out.classes)
+    if (c.abi->create) c.make = create_object;
+  out.code = std::move(*code);
+  return out;
+}
+
+}  // namespace ugoki::plugin

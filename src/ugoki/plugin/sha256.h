@@ -1,0 +1,15 @@
+#pragma once
+// SHA-256 (FIPS 180-4): the name of exactly these bytes.
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace ugoki::plugin {
+
+/// 64 lower-case hexadecimal digits.
+[[nodiscard]] std::string sha256(std::span<const std::byte> bytes);
+[[nodiscard]] inline std::string sha256(std::string_view text) { return sha256(std::as_bytes(std::span(text.data(), text.size()))); }
+
+}  // namespace ugoki::plugin

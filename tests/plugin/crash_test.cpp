@@ -1,0 +1,117 @@
+// Foreign code that crashes, hangs or lies: each ends with a message that names LSI, pin and time; this process lives.
+
+#include <chrono>
+#include <thread>
+
+#include "plugin_test.h"
+#include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/shelf.h"
+
+namespace ugoki::plugin {
+namespace {
+
+const char* const bad = R"(#include <stdlib.h>
+#include <math.h>
+/// @library bad
+int quotient(int a, int b) { return a / b; }
+double null(double x) { return x > 0.015 ? *(volatile double*)0 : x; }
+double forever(double x) { while (x > 0.015) { __asm__ volatile(""); } return x; }
+double nan_after(double x) { return x > 0.015 ? NAN : x; }
+double gives_up(double x) { if (x > 0.015) abort(); return x; }
+double leaves(double x) { if (x > 0.015) exit(0); return x; }
+static double deep(double x) { volatile char room[100000]; room[0] = (char)x; return deep(x + room[0]) + room[0]; }
+double recurses(double x) { return x > 0.015 ? deep(x) : x; }
+double wild(double x) { if (x > 0.015) *(volatile double*)0x7fff00000000ull = x; return x; }
+)";
+
+class CrashTest : public PluginTest {
+ protected:
+  void SetUp() override {
+    PluginTest::SetUp();
+    library_ = build("bad.c", bad);
+  }
+  /// Runs the LSI on the time for 10 ticks of 10 ms, in a guarded process. @return what is told
+  std::string run(const std::string& lsi, const std::string& input, const std::string& other = {}) {
+    const Result<int> done = run_guarded(
+        [&] {
+          LiveLibrary live(signals_, {}, {library_});
+          auto i = circuit::Interpreter::build(
+              *circuit::read_circuit(R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"}, {"id": "lsi-x", "type": "bad/)" +
+                                     lsi + "\"" + other + R"(}], "wires": [{"from": "c.time", "to": "lsi-x.)" + input + R"("}]})"),
+              *live.library(), nullptr, {.dt = 0.01, .check_finite = true, .activity = &process_activity()});
+          if (!i) {
+            fputs(i.error().text().c_str(), stderr);
+            return 3;
+          }
+          for (int k = 0; k < 10; ++k)
+            if (!i->tick()) {
+              told_ = i->stopped()->text();
+              return told_ == "'lsi-x' stopped at 0.020 s (tick 2): Number 0 of its output 'out' is not finite. Its inputs were 'x' = 0.02."
+                         ? 42
+                         : 43;
+            }
+          return 0;
+        },
+        std::chrono::milliseconds(600));
+    return done ? "status " + std::to_string(*done) : done.error().text();
+  }
+  void expect_named(const std::string& told, const std::string& what, const std::string& lsi) {
+    EXPECT_NE(told.find("'lsi-x' (LSI 'bad/" + lsi + "' of library 'bad')"), std::string::npos) << told;
+    EXPECT_NE(told.find(what), std::string::npos) << told;
+    EXPECT_NE(told.find(" at 0.020 s (tick 2). Its inputs were 'x' = 0.02."), std::string::npos) << told;
+  }
+  std::string library_, told_;
+};
+
+TEST_F(CrashTest, AWholeNumberDividedByZero) {
+  const std::string told = run("quotient", "a", R"(, "values": {"b": 0})");
+  EXPECT_NE(told.find("'lsi-x' (LSI 'bad/quotient' of library 'bad') divided a whole number by zero at 0.000 s (tick 0). Its inputs were "
+                      "'a' = 0, 'b' = 0."),
+            std::string::npos)
+      << told;
+}
+TEST_F(CrashTest, ANullPointer) { expect_named(run("null", "x"), "used a null pointer", "null"); }
+TEST_F(CrashTest, AWildPointer) { expect_named(run("wild", "x"), "used memory that it does not have", "wild"); }
+TEST_F(CrashTest, ALoopForEver) { expect_named(run("forever", "x"), "did not come back within 0.6 s and was stopped", "forever"); }
+TEST_F(CrashTest, Abort) { expect_named(run("gives_up", "x"), "aborted", "gives_up"); }
+TEST_F(CrashTest, Exit) { expect_named(run("leaves", "x"), "ended the process", "leaves"); }
+TEST_F(CrashTest, RecursionWithoutEnd) { expect_named(run("recurses", "x"), "used memory that it does not have", "recurses"); }
+TEST_F(CrashTest, NotANumberNamesThePin) { EXPECT_EQ(run("nan_after", "x"), "status 42"); }
+
+TEST_F(CrashTest, ALibraryThatHangsOrCrashesWhileItIsLoaded) {
+  for (const char* body : {"for (;;) __asm__ volatile(\"\");", "*(volatile int*)0 = 1;"}) {
+    const std::string path = build(
+        "early.c", std::string("__attribute__((constructor)) static void early(void) { ") + body + " }\ndouble f(double x) { return x; }");
+    const Result<int> done = run_guarded(
+        [&] {
+          LiveLibrary live(signals_, {}, {path});
+          return 0;
+        },
+        std::chrono::milliseconds(500));
+    ASSERT_FALSE(done);
+    EXPECT_NE(done.error().text().find("The library 'early.so' was being loaded when it "), std::string::npos) << done.error().text();
+  }
+}
+
+TEST_F(CrashTest, TheWatchLeavesLongRunsAlone) {
+  // Many ticks that together take longer than the patience.
+  const Result<int> done = run_guarded(
+      [&] {
+        LiveLibrary live(signals_, {}, {library_});
+        auto i = circuit::Interpreter::build(
+            *circuit::read_circuit(
+                R"({"version": 1, "name": "t", "lsis": [{"id": "q", "type": "bad/quotient", "values": {"a": 1, "b": 1}}]})"),
+            *live.library(), nullptr, {.dt = 0.01, .check_finite = true, .activity = &process_activity()});
+        const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(500);
+        while (std::chrono::steady_clock::now() < end)
+          if (!i->tick()) return 1;
+        std::this_thread::sleep_for(std::chrono::milliseconds(400));  // and idle time is no hang
+        return 0;
+      },
+      std::chrono::milliseconds(250));
+  ASSERT_TRUE(done) << done.error().text();
+  EXPECT_EQ(*done, 0);
+}
+
+}  // namespace
+}  // namespace ugoki::plugin
