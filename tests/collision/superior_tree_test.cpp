@@ -128,8 +128,12 @@ TEST(SuperiorTree, NearestPairAfterStepsThatWereNotAskedAbout) {
   for (int step = 0; step < 500; ++step) {
     w.move();
     tree.update(w.poses);
-    if (step % 7 == 0) ASSERT_EQ(one.find(tree, f).near.distance, brute_nearest(w, 0, 2, {}).near.distance) << step;
-    if (step % 31 == 0) ASSERT_EQ(two.find(tree, f).bodies, brute_nearest(w, 2, 1, {}).bodies) << step;
+    if (step % 7 == 0) {
+      ASSERT_EQ(one.find(tree, f).near.distance, brute_nearest(w, 0, 2, {}).near.distance) << step;
+    }
+    if (step % 31 == 0) {
+      ASSERT_EQ(two.find(tree, f).bodies, brute_nearest(w, 2, 1, {}).bodies) << step;
+    }
   }
 }
 
@@ -218,7 +222,9 @@ TEST(SuperiorTree, CoherentStepsAllocateNothing) {
     tree.update(w.poses);
     (void)nearest.find(tree, f);
     within.find(tree, 0.2, f, found);
-    if (step >= 500) ASSERT_EQ(allocations_so_far(), before) << step;
+    if (step >= 500) {
+      ASSERT_EQ(allocations_so_far(), before) << step;
+    }
   }
 }
 
@@ -237,7 +243,6 @@ TEST(SuperiorTree, CoherentStepsTouchFewPairs) {
   }
   EXPECT_LT(touched, 200 * 200);
   EXPECT_LT(front, 200 * 4000);  // of 40000 pairs
-  std::printf("front %ld touched %ld distances %d a step\n", front / 200, touched / 200, f.calls / 200);
 }
 
 TEST(SuperiorTree, BodiesAtPosesThatAreNotFiniteAreLeftOut) {

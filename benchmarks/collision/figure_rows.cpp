@@ -1,2 +1,0 @@
-// Rows of the superior tree.
-#include "table.h"
