@@ -76,7 +76,7 @@ class AllPairs {
 
 void nearest_rows(Table& table, int figures) {
   const int links = 20 * figures;
-  const std::string row = "two groups of " + std::to_string(links) + " links, nearest pair";
+  const std::string row = (figures == 1 ? "two figures of " : "two groups of ") + std::to_string(links) + " links, nearest pair";
   const Motion motion = make_figures(figures);
   Distances distances(motion);
   collision::SuperiorTree tree(tree_bodies(motion));
