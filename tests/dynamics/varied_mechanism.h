@@ -6,8 +6,9 @@
 namespace ugoki::testing {
 
 /// All joint types; coordinate axes and their opposites among the others, joint frames turned and not.
-inline MechanismSpec varied_spec(RandomSource& random, int links, bool floating_base) {
-  MechanismSpec spec = random_spec(random, links, {}, floating_base);
+/// @param only the joint types to draw from; empty: all
+inline MechanismSpec varied_spec(RandomSource& random, int links, bool floating_base, std::span<const JointType> only = {}) {
+  MechanismSpec spec = random_spec(random, links, only, floating_base);
   for (LinkSpec& l : spec.links) {
     if (random.below(3) > 0) l.joint.X_PJ.R = Mat3::identity();
     if (random.below(3) > 0) {
@@ -22,11 +23,11 @@ inline MechanismSpec varied_spec(RandomSource& random, int links, bool floating_
 
 /// A trunk that carries limbs in twos: the same joints, axes perhaps the other way round, other places, inertias and armatures. Links
 /// of both limbs follow each other in turn.
-inline MechanismSpec twins_spec(RandomSource& random, bool floating_base) {
-  MechanismSpec spec = varied_spec(random, 2 + random.below(6), floating_base);
+inline MechanismSpec twins_spec(RandomSource& random, bool floating_base, std::span<const JointType> only = {}) {
+  MechanismSpec spec = varied_spec(random, 2 + random.below(6), floating_base, only);
   const int trunk = static_cast<int>(spec.links.size());
   for (int limb = 0, limbs = 1 + random.below(6); limb < limbs; ++limb) {
-    const MechanismSpec shape = varied_spec(random, 3 + random.below(6), false);
+    const MechanismSpec shape = varied_spec(random, 3 + random.below(6), false, only);
     const std::string base = spec.links[static_cast<std::size_t>(random.below(trunk))].name;
     for (const LinkSpec& l : shape.links)
       for (const char side : {'l', 'r'}) {

@@ -50,6 +50,7 @@ struct ClosedArguments {
   int entry_count, block_count;
   const double* slope;  ///< [loops] of gears
   const LoopPaths* paths;
+  const TwinArguments* twins;  ///< of calls by paths; null: none
 
   const NodeWanted* moves;
   NodeMotion* motion;  ///< [nodes, out of closed_motion] as far as wanted

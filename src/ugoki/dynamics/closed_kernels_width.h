@@ -77,7 +77,16 @@ void move_nodes(const ClosedForward& kernel, const KernelArguments<double>& a, c
 
 void closed_motion(const KernelArguments<double>& a, const ClosedArguments& c) {
   ClosedForward kernel(a, LoopPass<One>(c));
-  kernel.turn_all();
+  if (c.twins == nullptr) {
+    kernel.turn_all();
+  } else {
+    twins::Forward open(*c.twins);
+    open.turn();
+    open.for_each_node([&](int node, const auto& part, int its_node, int lane) {
+      if (c.moves[node] != NodeWanted::nothing) kernel.copy_turning(node, part, its_node, lane);
+    });
+    kernel.rest_base();
+  }
   move_nodes(kernel, a, c);
 }
 

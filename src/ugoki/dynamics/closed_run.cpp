@@ -56,6 +56,7 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
     : shared(with_shares(m, links.shares_)),
       program(shared ? *shared : m),
       over_nodes(tree_of_nodes(program), links.loops(), closed, links.rows().first, rows),
+      twins(program),
       moves(program.order.size()),
       motion(program.order.size()),
       X_WB(m.links().size()),
@@ -91,6 +92,7 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
   Y.resize(over_nodes.neighbours.size());
   factor.resize(g.size());
   scratch.resize(scratch_size(program, sizeof(double), 1) / sizeof(CacheLine) + 1);
+  if (by_paths && !twins.pairs.empty()) twin_scratch.resize(twins.scratch / sizeof(CacheLine) + 1);
 }
 
 class ClosedRun {
@@ -100,7 +102,14 @@ class ClosedRun {
 
   bool run(std::span<const double> tau, const Vec3& gravity, std::span<const Vec6> external, std::span<double> vdot) {
     const KernelArguments<double> a = arguments(tau, gravity, external, vdot);
-    const ClosedArguments c = closed_arguments();
+    ClosedArguments c = closed_arguments();
+    TwinArguments twins;
+    if (!k_.twin_scratch.empty() && a.external == nullptr) {
+      KernelArguments<double> whole = a;
+      whole.scratch = k_.twin_scratch.data()->bytes;
+      twins = k_.twins.arguments(whole);
+      c.twins = &twins;
+    }
     closed_kernels().motion(a, c);
     if (k_.world_bound) {
       for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_world_bound(e, gravity);
@@ -155,6 +164,7 @@ class ClosedRun {
             .block_count = x_.blocks,
             .slope = links_.rows_.slope.data(),
             .paths = &k_.paths,
+            .twins = nullptr,
             .moves = k_.moves.data(),
             .motion = k_.motion.data(),
             .P = k_.P.data(),

@@ -3,6 +3,7 @@
 
 #include "ugoki/dynamics/closed_kernels.h"
 #include "ugoki/dynamics/closed_links.h"
+#include "ugoki/dynamics/link_twins.h"
 
 namespace ugoki::dynamics {
 
@@ -14,6 +15,7 @@ struct ClosedKernelState {
   ClosedStructure over_nodes;
   bool by_paths = false;  ///< loops are eliminated at the world
   LoopPaths paths;
+  LinkTwins twins;                 ///< used by paths
   std::vector<int> end_links;      ///< of closed loops
   bool world_bound = false;        ///< all loops hold a link to the world: see WorldBound
   std::vector<NodeWanted> moves;   ///< [nodes] on the way to an end link
@@ -25,7 +27,7 @@ struct ClosedKernelState {
   std::vector<LoopLanes> g, s, t, reduced, lambda;
   std::vector<LoopBlock> Lambda, Y;
   std::vector<LoopFactor> factor;
-  std::vector<CacheLine> scratch;
+  std::vector<CacheLine> scratch, twin_scratch;
 };
 
 }  // namespace ugoki::dynamics

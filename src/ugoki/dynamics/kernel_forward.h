@@ -77,6 +77,9 @@ class ForwardKernel {
     }
   }
 
+  /// Of copied nodes: the world does not turn.
+  void rest_base() { w_[0] = {T(0), T(0), T(0)}; }
+
   /// The rest, on what turn_all() left in the scratch.
   Mask accelerate() {
     condense();
@@ -125,10 +128,63 @@ class ForwardKernel {
   /// What twins of the nodes have handed on: [NodeOrder::twins].
   void take_twins(const Articulated<T>* handed_on) { twins_ = handed_on; }
   [[nodiscard]] Mask bad() const { return bad_; }
+
+  /// What turn_all() leaves at node `i`, from lane `lane` of node `j` of another kernel.
+  template <class Other>
+  UGOKI_INLINE void copy_turning(int i, const Other& other, int j, int lane) {
+    const NodeOrder &o = a_.order[i], &x = other.a_.order[j];
+    if (o.angle >= 0) {
+      pass_.sin[o.angle] = one_of(other.pass_.sin[x.angle], lane);
+      pass_.cos[o.angle] = one_of(other.pass_.cos[x.angle], lane);
+    }
+    if (o.crossing == Crossing::matrix) {
+      const auto& E = other.pass_.E[j];
+      pass_.E[i] = {one_of(E.xx, lane), one_of(E.xy, lane), one_of(E.xz, lane), one_of(E.yx, lane), one_of(E.yy, lane),
+                    one_of(E.yz, lane), one_of(E.zx, lane), one_of(E.zy, lane), one_of(E.zz, lane)};
+    }
+    w_[i + 1] = one_of(other.w_[j + 1], lane);
+  }
+  /// The same for condense().
+  template <class Other>
+  UGOKI_INLINE void copy_freedoms(int i, const Other& other, int j, int lane) {
+    const NodeOrder &o = a_.order[i], &x = other.a_.order[j];
+    velocity_product_[i] = one_of(other.velocity_product_[j], lane);
+    for (int k = 0; k < freedoms_of(o.kind); ++k) {
+      const auto& f = other.freedom_[x.v + k];
+      freedom_[o.v + k] = {{one_of(f.U.w, lane), one_of(f.U.v, lane)}, one_of(f.d, lane), one_of(f.u, lane)};
+    }
+  }
+  /// Back again: the reduced forces.
+  template <class Other>
+  UGOKI_INLINE void copy_forces_to(Other& other, int j, int lane, int i) const {
+    const NodeOrder &o = a_.order[i], &x = other.a_.order[j];
+    for (int k = 0; k < freedoms_of(o.kind); ++k) {
+      auto& u = other.freedom_[x.v + k].u;
+      if constexpr (Other::lanes == 1)
+        u = freedom_[o.v + k].u;
+      else
+        u.v[lane] = freedom_[o.v + k].u.v;
+    }
+  }
   [[nodiscard]] const Pass<T, Constant>& pass() const { return pass_; }
 
  private:
   friend class PathForward;
+  template <class, class, class>
+  friend class ForwardKernel;
+
+  static constexpr int lanes = T::count;
+  template <class X>
+  UGOKI_INLINE static Lanes<Real, 1> one_of(const X& x, int lane) {
+    if constexpr (X::count == 1)
+      return x;
+    else
+      return x.v[lane];
+  }
+  template <class X>
+  UGOKI_INLINE static V3<Lanes<Real, 1>> one_of(const V3<X>& x, int lane) {
+    return {one_of(x.x, lane), one_of(x.y, lane), one_of(x.z, lane)};
+  }
 
   struct FreedomPass {
     Vec6T<T> U;

@@ -7,6 +7,7 @@
 // only.
 
 #include "ugoki/dynamics/kernel_loops.h"
+#include "ugoki/dynamics/kernel_twins.h"
 
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
@@ -17,7 +18,33 @@ class PathForward {
 
   /// @return false: singular
   bool run() {
-    kernel_.condense();
+    if (c_.twins == nullptr) {
+      kernel_.condense();
+      solve_loops();
+      kernel_.move();
+      return !kernel_.bad_[0];
+    }
+    // The open recursion runs with legs and arms in lanes; what the paths need of it is copied out of them, and their forces back.
+    twins::Forward open(*c_.twins);
+    open.condense();
+    kernel_.acceleration_[0] = {{0, 0, 0}, -vector_of<Lanes<double, 1>>(a_.gravity)};
+    open.for_each_node([&](int node, const auto& kernel, int its_node, int lane) {
+      if (c_.moves[node] != NodeWanted::nothing) kernel_.copy_freedoms(node, kernel, its_node, lane);
+    });
+    solve_loops();
+    open.for_each_node([&](int node, auto& kernel, int its_node, int lane) {
+      if (c_.moves[node] != NodeWanted::nothing) kernel_.copy_forces_to(kernel, its_node, lane, node);
+    });
+    return open.move();
+  }
+
+ private:
+  using One = Lanes<double, 1>;
+  using Rows = Lanes<double, UGOKI_DOUBLE_LANES>;
+  using Columns = Vec6T<Rows>;
+  using Kernel = ForwardKernel<One>;
+
+  void solve_loops() {
     LoopPass<One> loops(c_);
     loops.begin();
     for (const LoopPaths::Path& path : paths_.paths)
@@ -26,15 +53,7 @@ class PathForward {
       for (int lanes = 0; lanes < loop_lanes; lanes += Rows::count) couple(block, lanes);
     loops.solve_world(a_.nodes);
     for (const LoopPaths::Path& path : paths_.paths) press(path);
-    kernel_.move();
-    return !kernel_.bad_[0];
   }
-
- private:
-  using One = Lanes<double, 1>;
-  using Rows = Lanes<double, UGOKI_DOUBLE_LANES>;
-  using Columns = Vec6T<Rows>;
-  using Kernel = ForwardKernel<One>;
 
   UGOKI_INLINE static Rows wide(One x) { return Rows(x.v); }
   UGOKI_INLINE static V3<Rows> wide(const V3<One>& x) { return {wide(x.x), wide(x.y), wide(x.z)}; }

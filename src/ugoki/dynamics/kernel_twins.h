@@ -68,42 +68,65 @@ class Forward {
 
   /// @return false: singular
   bool run() {
+    turn();
+    condense();
+    return move();
+  }
+
+  void turn() {
     trunk_.turn_all();
-    Articulated<One> handed_on[TwinArguments::most_pairs];
     for (int i = 0; i < a_.pair_count; ++i) {
       const Packed packed(a_, a_.pairs[i]);
       packed.gather();
-      Twins pair(packed.arguments());
-      pair.turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
-      pair.condense();
-      take(pair, a_.pairs[i], handed_on);
+      Twins(packed.arguments()).turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
     }
-    trunk_.take_twins(handed_on);
+  }
+  /// On what turn() left in the scratch.
+  void condense() {
+    for (int i = 0; i < a_.pair_count; ++i) {
+      Twins pair(Packed(a_, a_.pairs[i]).arguments());
+      pair.condense();
+      take(pair, a_.pairs[i]);
+    }
+    trunk_.take_twins(handed_on_);
     trunk_.condense();
+  }
+  bool move() {
     trunk_.move();
     for (int i = 0; i < a_.pair_count; ++i) {
       const Packed packed(a_, a_.pairs[i]);
-      Twins pair(packed.arguments());
       const Vec6T<One>& base = trunk_.acceleration(a_.pairs[i].base);
-      pair.move({both(base.w), both(base.v)});
+      Twins(packed.arguments()).move({both(base.w), both(base.v)});
       packed.scatter();
     }
     return !bad_ && !trunk_.bad()[0];
   }
 
+  /// f(node of the whole program, kernel, its node, its lane)
+  template <class F>
+  UGOKI_INLINE void for_each_node(F&& f) {
+    for (int i = 0; i < a_.trunk.nodes; ++i) f(a_.trunk_node[i], trunk_, i, 0);
+    for (int p = 0; p < a_.pair_count; ++p) {
+      const Packed packed(a_, a_.pairs[p]);
+      Twins pair(packed.arguments());
+      for (int i = 0; i < 2 * packed.arguments().nodes; ++i) f(a_.pairs[p].node[i], pair, i / 2, i % 2);
+    }
+  }
+
  private:
-  void take(const Twins& pair, const TwinArguments::Pair& p, Articulated<One>* handed_on) {
+  void take(const Twins& pair, const TwinArguments::Pair& p) {
     const Articulated<Two>& A = pair.handed_on();
     const Articulated<One> sum{total(A.I), total(A.H), total(A.M), total(A.n), total(A.f)};
     if (p.first)
-      handed_on[p.place] = sum;
+      handed_on_[p.place] = sum;
     else
-      add(handed_on[p.place], sum);
+      add(handed_on_[p.place], sum);
     bad_ = bad_ || any(pair.bad());
   }
 
   const TwinArguments& a_;
   Trunk trunk_;
+  Articulated<One> handed_on_[TwinArguments::most_pairs];
   bool bad_ = false;
 };
 

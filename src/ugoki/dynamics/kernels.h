@@ -48,11 +48,13 @@ struct TwinArguments {
     int nq;
     const int* q_of;  ///< [nq * 2]
     const int* v_of;  ///< [nv * 2]
+    const int* node;  ///< [nodes * 2] of the whole program
     int base;         ///< node of the trunk that carries them
     int place;        ///< NodeOrder::twins of that node
     bool first;       ///< of this base
   };
   KernelArguments<double> trunk;
+  const int* trunk_node;  ///< [trunk.nodes] of the whole program
   int pair_count;
   int places;
   Pair pairs[most_pairs];

@@ -65,6 +65,7 @@ class Search {
         o.angle = int_of(t.angle_q.size()) - 1;
       }
       t.order.push_back(o);
+      t.node.push_back(i);
       t.constants.push_back(p_.constants[at(i)]);
     }
     t.nq = p_.nq;
@@ -91,6 +92,7 @@ class Search {
       t.nq = int_of(t.q_of.size() / 2);
       t.nv = int_of(t.v_of.size() / 2);
       t.order.push_back(o);
+      t.node.insert(t.node.end(), {i, b + i - a});
       t.constants.push_back(side_by_side(p_.constants[at(i)], p_.constants[at(b + i - a)]));
     }
     t.slots = mark_children(t.order);
@@ -158,11 +160,12 @@ TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
   out.trunk.out = whole.out;
   out.trunk.scratch = whole.scratch;
   out.trunk.stride = 1;
+  out.trunk_node = trunk.node.data();
   out.pair_count = int_of(pairs.size());
   out.places = places;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& p = pairs[i];
-    out.pairs[i] = {part_arguments(p, whole), p.nq, p.q_of.data(), p.v_of.data(), p.base, p.place, p.first};
+    out.pairs[i] = {part_arguments(p, whole), p.nq, p.q_of.data(), p.v_of.data(), p.node.data(), p.base, p.place, p.first};
     out.pairs[i].a.scratch = whole.scratch + p.scratch;
     out.pairs[i].a.stride = 2;
   }

@@ -18,6 +18,7 @@ struct LinkTwins {
     std::vector<NodeConstants<Constant>> constants;
     std::vector<int> angle_q;
     std::vector<double> angle_sign;  ///< of pairs two for each angle
+    std::vector<int> node;           ///< of the whole program; of pairs two for each
     int nq = 0, nv = 0, slots = 0;
   };
   struct Pair : Part<Both> {
