@@ -204,17 +204,31 @@ void ImpactSearch::add_candidate(int a, int b) {
   candidates_.push_back({a, b, 0, 0, {}});
 }
 
+/// Between systems: sorted along x, so that only shapes whose ways overlap there are compared.
 void ImpactSearch::find_candidates() {
   candidates_.clear();
   const int systems = static_cast<int>(scene_.systems().size()), shapes = static_cast<int>(scene_.shapes().size());
   if (scene_.options().with_ground)
     for (int i = 0; i < shapes; ++i) add_candidate(i, -1);
-  for (int s = 0; s < systems; ++s) {
+  for (int s = 0; s < systems; ++s)
     if (scene_.self_collision(s))
       for (const ShapePair& p : scene_.self_pairs(s)) add_candidate(p.a, p.b);
-    if (!scene_.options().between_systems) continue;
-    for (int i = scene_.first_shape(s); i < scene_.first_shape(s + 1); ++i)
-      for (int j = scene_.first_shape(s + 1); j < shapes; ++j) add_candidate(i, j);
+  if (!scene_.options().between_systems) return;
+  order_.clear();
+  for (int i = 0; i < shapes; ++i) {
+    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
+    order_.push_back({w.centre.x - w.radius, i});
+  }
+  std::ranges::sort(order_);
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    const int i = order_[k].second;
+    const Sweep& w = sweeps_[static_cast<std::size_t>(i)];
+    const double end = w.centre.x + w.radius + options_.tolerance;
+    for (std::size_t l = k + 1; l < order_.size() && order_[l].first <= end; ++l) {
+      const int j = order_[l].second;
+      if (scene_.shapes()[static_cast<std::size_t>(i)].system != scene_.shapes()[static_cast<std::size_t>(j)].system)
+        add_candidate(std::min(i, j), std::max(i, j));
+    }
   }
 }
 

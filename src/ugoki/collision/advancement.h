@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ugoki/collision/pair_distance.h"
@@ -121,7 +122,8 @@ class ImpactSearch {
   Collider ground_;
   std::span<const SystemMotion> motions_;
   std::vector<System> systems_;
-  std::vector<Sweep> sweeps_;  // [shapes]
+  std::vector<Sweep> sweeps_;                  // [shapes]
+  std::vector<std::pair<double, int>> order_;  // [shapes] least x of its way, shape
   std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> queue_;  // heap of candidates, the earliest first
   DistanceWorkspace workspace_;
