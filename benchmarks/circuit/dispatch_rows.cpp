@@ -101,8 +101,17 @@ void rows(Table& table) {
       for (int k = 0; k < 200; ++k) i.tick();
     require(allocations_so_far() == before, "a tick allocated");
 
-    const std::vector<double> ns = measure(
-        {[&] { ours[0].tick(); }, [&] { ours[1].tick(); }, [&] { ours[2].tick(); }, [&] { virtuals.tick(); }, [&] { flow.tick(); }}, 0.3);
+    // As a host does it: several ticks for each frame that it shows.
+    constexpr int ticks = 16;
+    std::vector<double> ns = measure({[&] { ours[0].run(ticks); }, [&] { ours[1].run(ticks); }, [&] { ours[2].run(ticks); },
+                                      [&] {
+                                        for (int i = 0; i < ticks; ++i) virtuals.tick();
+                                      },
+                                      [&] {
+                                        for (int i = 0; i < ticks; ++i) flow.tick();
+                                      }},
+                                     0.3);
+    for (double& x : ns) x /= ticks;
     const std::string size = ", " + std::to_string(n) + (n == 1 ? " LSI" : " LSIs");
     table.add({"dispatch" + size, ns[0] / n, "virtual call", ns[3] / n});
     table.add({"dispatch" + size, ns[0] / n, "oneTBB flow graph", ns[4] / n});

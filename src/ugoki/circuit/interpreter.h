@@ -114,6 +114,10 @@ class Interpreter {
 
   /// Computes one tick. False: an LSI stopped it (see stopped()); a stopped interpreter stays so until reset or restore.
   bool tick();
+  /// Computes up to `count` ticks: cheaper than as many calls of tick(). Ends after a tick that met a breakpoint, and where an LSI stopped
+  /// it.
+  /// @return ticks done
+  std::uint64_t run(std::uint64_t count);
   /// Runs one LSI of the tick that is under way, or the first of the next; the last one ends the tick. tick() completes what is begun.
   bool step_lsi();
   /// Id of the LSI that step_lsi would run; empty where the circuit has none.

@@ -57,6 +57,7 @@ struct ProbeBuffer {
   std::vector<std::uint64_t> ticks;
   std::size_t width = 0;
   std::uint64_t written = 0;  ///< rows so far
+  std::size_t next = 0;       ///< row to write
   std::uint32_t every = 1;
 };
 
@@ -108,6 +109,7 @@ struct Interpreter::Machine {
   bool plain = true;  ///< none of the following
   Clock clock = nullptr;
   std::vector<Timing> timings;  ///< [lsis], id empty
+  std::uint64_t clock_before = 0;
   Executor* executor = nullptr;
   std::vector<std::vector<char>> reasons;  ///< [workers]
   std::vector<Job> wave_jobs;              ///< steps and advances, sorted for threads
@@ -126,7 +128,7 @@ struct Interpreter::Machine {
   [[nodiscard]] const std::byte* bytes() const { return reinterpret_cast<const std::byte*>(arena.data()); }
   [[nodiscard]] Call& call_at(std::size_t lsi) { return calls[call_of[lsi]]; }
   void initialise();
-  bool tick_once();
+  std::uint64_t run_plain(std::uint64_t count);
   bool tick_with_extras();
   bool run_job(const Job& job);
   bool run_all();

@@ -68,7 +68,8 @@ ProbeRows Interpreter::probes() const {
 }
 
 void Interpreter::Machine::sample_probes() {
-  const std::size_t row = probes.written % probes.ticks.size();
+  const std::size_t row = probes.next;
+  probes.next = row + 1 == probes.ticks.size() ? 0 : row + 1;
   double* to = probes.rows.data() + row * probes.width;
   for (const ProbeSource& s : probes.sources) {
     if (s.count == 1) {

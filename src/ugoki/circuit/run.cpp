@@ -38,11 +38,10 @@ const Job* run_plainly(std::span<const Job> jobs, std::uint64_t index, Activity&
   return run_jobs(jobs, index, activity, finite, [](const Job&) {});
 }
 
+/// The end of one LSI is the beginning of the next: one look at the clock for each. @param before in and out
 const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& finite, Interpreter::Clock clock,
-                     std::vector<Timing>& timings) {
-  // The end of one LSI is the beginning of the next: one look at the clock for each.
+                     std::vector<Timing>& timings, std::uint64_t& before) {
   const auto timed = [&](auto now) {
-    std::uint64_t before = now();
     return run_jobs(jobs, index, activity, finite, [&](const Job& job) {
       const std::uint64_t after = now();
       Timing& t = timings[job.lsi];
@@ -92,32 +91,35 @@ std::uint64_t Interpreter::processor_clock() {
 #endif
 }
 
-/// Nothing is probed, timed or stepped: what a circuit usually runs as.
-inline bool Interpreter::Machine::tick_once() {
-  __atomic_store_n(&activity->passes, activity->passes + 1, __ATOMIC_RELAXED);
-  bool finite = true;
-  const Job* failed = run_plainly(steps, tick.index, *activity, finite);
-  if (!failed && !advances.empty()) failed = run_plainly(advances, tick.index, *activity, finite);
-  set_running(*activity, nullptr);
-  if (failed) [[unlikely]] {
-    fail(*failed, !finite);
-    return false;
-  }
-  end_tick();
-  return true;
-}
-
 inline void Interpreter::Machine::end_tick() {
   if (front.size()) std::memcpy(bytes() + front.begin, bytes() + back.begin, front.size());
   ++tick.index;
   tick.time = static_cast<double>(tick.index) * tick.dt;
 }
 
+/// Nothing is probed, timed or stepped: what a circuit usually runs as.
+std::uint64_t Interpreter::Machine::run_plain(std::uint64_t count) {
+  std::uint64_t done = 0, passes = activity->passes;
+  bool finite = true;
+  const Job* failed = nullptr;
+  for (; done < count; ++done) {
+    __atomic_store_n(&activity->passes, ++passes, __ATOMIC_RELAXED);
+    failed = run_plainly(steps, tick.index, *activity, finite);
+    if (!failed && !advances.empty()) failed = run_plainly(advances, tick.index, *activity, finite);
+    if (failed) [[unlikely]]
+      break;
+    end_tick();
+  }
+  set_running(*activity, nullptr);
+  if (failed) fail(*failed, !finite);
+  return done;
+}
+
 bool Interpreter::Machine::run_job(const Job& job) {
   bool finite = true;
   const Job* failed = nullptr;
   if (clock)
-    failed = run_timed({&job, 1}, tick.index, *activity, finite, clock, timings);
+    failed = run_timed({&job, 1}, tick.index, *activity, finite, clock, timings, clock_before);
   else
     failed = run_plainly({&job, 1}, tick.index, *activity, finite);
   if (failed) fail(*failed, !finite);
@@ -126,9 +128,10 @@ bool Interpreter::Machine::run_job(const Job& job) {
 
 bool Interpreter::Machine::run_all() {
   for (const std::vector<Job>* jobs : {&steps, &advances}) {
+    if (jobs->empty()) continue;
     bool finite = true;
-    const Job* failed =
-        clock ? run_timed(*jobs, tick.index, *activity, finite, clock, timings) : run_plainly(*jobs, tick.index, *activity, finite);
+    const Job* failed = clock ? run_timed(*jobs, tick.index, *activity, finite, clock, timings, clock_before)
+                              : run_plainly(*jobs, tick.index, *activity, finite);
     if (!failed) continue;
     fail(*failed, !finite);
     return false;
@@ -175,18 +178,17 @@ bool Interpreter::Machine::tick_with_extras() {
   breakpoint_hit = -1;
   bool good = true;
   if (cursor == 0) {
-    replay_inputs();
-    record_inputs();
+    if (!log.replay.empty()) replay_inputs();
+    if (log.recording) record_inputs();
     good = executor && !clock ? run_waves() : run_all();
   } else {
     for (; good && cursor < steps.size() + advances.size(); ++cursor)
       good = run_job(cursor < steps.size() ? steps[cursor] : advances[cursor - steps.size()]);
+    cursor = 0;
+    update_plain();
   }
-  set_running(*activity, nullptr);
-  cursor = 0;
-  update_plain();
   if (!good) return false;
-  if (probes.width && tick.index % probes.every == 0) sample_probes();
+  if (probes.width && (probes.every == 1 || tick.index % probes.every == 0)) sample_probes();
   if (!breakpoints.empty()) test_breakpoints();
   end_tick();
   return true;
@@ -196,13 +198,27 @@ void Interpreter::Machine::update_plain() {
   plain = !clock && !executor && probes.width == 0 && breakpoints.empty() && !log.recording && log.replay.empty() && cursor == 0;
 }
 
-bool Interpreter::tick() {
+std::uint64_t Interpreter::run(std::uint64_t count) {
+  constexpr std::size_t few_jobs = 16;  // among more of them, what lies between two ticks is not counted as the first one's
   Machine& m = *machine_;
   if (m.is_stopped) [[unlikely]]
-    return false;
+    return 0;
   m.reason[0] = '\0';
-  return m.plain ? m.tick_once() : m.tick_with_extras();
+  if (m.plain) return m.run_plain(count);
+  const bool many = m.steps.size() + m.advances.size() > few_jobs;
+  if (m.clock) m.clock_before = m.clock();
+  std::uint64_t done = 0;
+  while (done < count) {
+    if (!m.tick_with_extras()) break;
+    ++done;
+    if (m.breakpoint_hit >= 0) break;
+    if (m.clock && many) m.clock_before = m.clock();
+  }
+  set_running(*m.activity, nullptr);
+  return done;
 }
+
+bool Interpreter::tick() { return run(1) == 1; }
 
 bool Interpreter::step_lsi() {
   Machine& m = *machine_;
@@ -216,6 +232,7 @@ bool Interpreter::step_lsi() {
   while (m.cursor < jobs && !is_due(job_at(m.cursor), m.tick.index)) ++m.cursor;
   m.plain = false;
   m.reason[0] = '\0';
+  if (m.clock) m.clock_before = m.clock();
   if (m.cursor < jobs && !m.run_job(job_at(m.cursor))) return false;
   set_running(*m.activity, nullptr);
   ++m.cursor;
@@ -237,6 +254,7 @@ bool Interpreter::refresh() {
   __atomic_store_n(&m.activity->passes, m.activity->passes + 1, __ATOMIC_RELAXED);
   m.reason[0] = '\0';
   bool good = true;
+  if (m.clock) m.clock_before = m.clock();
   for (const Job& job : m.on_demand) {
     Job once = job;
     once.every = 1;

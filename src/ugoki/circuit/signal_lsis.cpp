@@ -3,46 +3,11 @@
 #include <cstring>
 #include <utility>
 
+#include "ugoki/circuit/declare.h"
 #include "ugoki/circuit/setup.h"
 
 namespace ugoki::circuit {
 namespace {
-
-InputPin in(std::string name, PinTypeId type = PinTypeId::scalar, std::string doc = {}) {
-  InputPin pin;
-  pin.name = std::move(name);
-  pin.type = type;
-  pin.doc = std::move(doc);
-  return pin;
-}
-OutputPin out(std::string name, PinTypeId type = PinTypeId::scalar, std::string doc = {}) {
-  OutputPin pin;
-  pin.name = std::move(name);
-  pin.type = type;
-  pin.doc = std::move(doc);
-  return pin;
-}
-Parameter number(std::string name, double initial, std::string doc, double minimum = -1e300, double maximum = 1e300,
-                 std::string unit = {}) {
-  Parameter p;
-  p.name = std::move(name);
-  p.initial = initial;
-  p.minimum = minimum;
-  p.maximum = maximum;
-  p.unit = std::move(unit);
-  p.doc = std::move(doc);
-  return p;
-}
-
-LsiClass lsi(std::string name, std::string doc, std::vector<InputPin> inputs, std::vector<OutputPin> outputs, StepFunction step) {
-  LsiClass c;
-  c.name = std::move(name);
-  c.doc = std::move(doc);
-  c.inputs = std::move(inputs);
-  c.outputs = std::move(outputs);
-  c.step = step;
-  return c;
-}
 
 /// out = f(a, b)
 template <double (*f)(double, double)>
@@ -260,6 +225,8 @@ void add_signal_lsis(Library& library) {
   add_scalar_dynamics(library);
   add_vector_parts(library);
   add_delays(library);
+  add_logic_lsis(library);
+  add_machine_lsis(library);
 }
 
 }  // namespace ugoki::circuit

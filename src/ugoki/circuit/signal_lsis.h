@@ -5,8 +5,8 @@
 
 namespace ugoki::circuit {
 
-/// Adds constant, clock, add, subtract, multiply, divide, gain, sum, clamp, compare, switch, integrator, low-pass, vector parts and
-/// a delay for every pin type.
+/// Adds numbers and maths, vectors, filters, delays, holds, switches, curves, noise, timers, a state machine, and what stands for
+/// keyboard, mouse, gamepad and OSC.
 void add_signal_lsis(Library& library);
 
 }  // namespace ugoki::circuit
