@@ -140,11 +140,14 @@ export interface LibraryEntry {
 }
 
 export interface ShapeData {
-  type: 'capsule' | 'sphere' | 'box';
+  type: 'capsule' | 'sphere' | 'box' | 'cylinder' | 'ellipsoid' | 'mesh' | 'height_field';
   radius?: number;
-  /** capsule: centre to the centre of a cap, along the shape's z */
+  /** capsule, cylinder: centre to the centre of a cap or end, along the shape's z */
   half_length?: number;
+  /** box; ellipsoid: its radii */
   half_extents?: Vec3;
+  /** mesh, height field: which of the mechanism's surfaces */
+  surface?: string;
   /** x, y, z, qw, qx, qy, qz in the link's frame */
   pose: number[];
 }
@@ -160,12 +163,30 @@ export interface LinkData {
   neutral?: number[];
 }
 
+/** Packed: base64 of 32-bit floats x y z, and of 32-bit indices. */
+export interface MeshSurface {
+  vertices: string;
+  triangles: string;
+}
+
+/** Heights packed row by row, x growing with the column, y with the row. */
+export interface HeightFieldSurface {
+  columns: number;
+  rows: number;
+  half_x: number;
+  half_y: number;
+  base: number;
+  heights: string;
+}
+
 export interface MechanismData {
   id: string;
   name: string;
   freedoms: number;
   mass: number;
   height: number;
+  /** Meshes and height fields that shapes refer to. */
+  surfaces?: Record<string, MeshSurface | HeightFieldSurface>;
   links: LinkData[];
 }
 

@@ -4,6 +4,7 @@ import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeom
 import { mergeGeometries, mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { Frame, FigureFrame } from '../core/frames';
 import type { LinkData, MechanismData, ShapeData } from '../core/protocol';
+import { surface_geometry, type Surfaces } from './surfaces';
 
 const pose_position = new THREE.Vector3();
 const pose_rotation = new THREE.Quaternion();
@@ -12,7 +13,7 @@ const unit_scale = new THREE.Vector3(1, 1, 1);
 /** Segments around a body of radius `r`: fine enough that its outline looks round from close by, and no finer. */
 const around = (r: number): number => Math.round(Math.min(40, Math.max(14, 12 + 110 * r)));
 
-function shape_geometry(shape: ShapeData): THREE.BufferGeometry {
+function shape_geometry(shape: ShapeData, surfaces: Surfaces): THREE.BufferGeometry {
   const r = Math.max(shape.radius ?? 0.05, 1e-3);
   const n = around(r);
   let geometry: THREE.BufferGeometry;
@@ -20,6 +21,14 @@ function shape_geometry(shape: ShapeData): THREE.BufferGeometry {
     geometry = new THREE.SphereGeometry(r, n, Math.round(0.7 * n));
   } else if (shape.type === 'capsule') {
     geometry = new THREE.CapsuleGeometry(r, 2 * (shape.half_length ?? 0), Math.round(n / 3), n).rotateX(Math.PI / 2);
+  } else if (shape.type === 'cylinder') {
+    geometry = new THREE.CylinderGeometry(r, r, 2 * (shape.half_length ?? 0.05), Math.max(24, n), 1).rotateX(Math.PI / 2);
+  } else if (shape.type === 'ellipsoid') {
+    const [x, y, z] = shape.half_extents ?? [0.05, 0.05, 0.05];
+    const m = around(Math.max(x, y, z));
+    geometry = new THREE.SphereGeometry(1, m, Math.round(0.7 * m)).scale(x, y, z);
+  } else if (shape.surface !== undefined) {
+    geometry = surface_geometry(surfaces, shape.surface);
   } else {
     const [x, y, z] = shape.half_extents ?? [0.05, 0.05, 0.05];
     geometry = new RoundedBoxGeometry(2 * x, 2 * y, 2 * z, 4, 0.42 * Math.min(x, y, z));
@@ -31,15 +40,15 @@ function shape_geometry(shape: ShapeData): THREE.BufferGeometry {
 }
 
 /** One geometry of all shapes of a link, in the link's frame; null where it has none. */
-export function link_geometry(link: LinkData): THREE.BufferGeometry | null {
+export function link_geometry(link: LinkData, surfaces: Surfaces): THREE.BufferGeometry | null {
   if (link.shapes.length === 0) return null;
-  const geometry = mergeGeometries(link.shapes.map(shape_geometry));
+  const geometry = mergeGeometries(link.shapes.map((shape) => shape_geometry(shape, surfaces)));
   geometry.computeBoundingSphere();
   return geometry;
 }
 
 /** Geometries of a mechanism, shared by all figures and ghosts of it. */
-export const mechanism_geometries = (mechanism: MechanismData): (THREE.BufferGeometry | null)[] => mechanism.links.map(link_geometry);
+export const mechanism_geometries = (mechanism: MechanismData): (THREE.BufferGeometry | null)[] => mechanism.links.map((link) => link_geometry(link, mechanism.surfaces ?? {}));
 
 export interface LinkTag {
   character: string;

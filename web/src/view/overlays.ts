@@ -132,6 +132,37 @@ export class Spring {
   }
 }
 
+/** Small discs where bodies touch, lying on the surface that carries the force. */
+export class ContactDiscs {
+  readonly mesh: THREE.InstancedMesh;
+  private readonly dummy = new THREE.Object3D();
+
+  constructor(private readonly most: number) {
+    const geometry = new THREE.CircleGeometry(1, 28);
+    const material = new THREE.MeshBasicMaterial({ color: 0xfdba74, side: THREE.DoubleSide, transparent: true, opacity: 0.9, depthWrite: false });
+    this.mesh = new THREE.InstancedMesh(geometry, material, most);
+    this.mesh.frustumCulled = false;
+    this.mesh.renderOrder = 40;
+    this.mesh.count = 0;
+  }
+
+  begin(): void {
+    this.mesh.count = 0;
+  }
+
+  /** @param radius m */
+  add(at: THREE.Vector3, along: THREE.Vector3, radius: number): void {
+    if (this.mesh.count >= this.most) return;
+    const n = along.clone().normalize();
+    this.dummy.position.copy(at).addScaledVector(n, 0.002);
+    this.dummy.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), n);
+    this.dummy.scale.setScalar(radius);
+    this.dummy.updateMatrix();
+    this.mesh.setMatrixAt(this.mesh.count++, this.dummy.matrix);
+    this.mesh.instanceMatrix.needsUpdate = true;
+  }
+}
+
 /** A thin ring on the floor under what is selected. */
 export function make_ring(): THREE.Mesh {
   const ring = new THREE.Mesh(

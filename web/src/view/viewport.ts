@@ -11,7 +11,7 @@ import type { Session } from '../core/session';
 import { selected_character, shown_document, type StudioState } from '../core/state';
 import { CameraRig } from './camera';
 import { Figure, Ghost, mechanism_geometries, type LinkTag } from './figure';
-import { Arrow, assist_color, make_ring, Polyline, Spring } from './overlays';
+import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Spring } from './overlays';
 import { Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // s
@@ -40,6 +40,7 @@ export class Viewport {
   private readonly drawn = new Map<string, Drawn>();
   private readonly geometries = new Map<string, (THREE.BufferGeometry | null)[]>();
   private readonly contact_arrows: Arrow[] = [];
+  private readonly contact_discs = new ContactDiscs(max_contact_arrows);
   private readonly spring = new Spring();
   private readonly ring = make_ring();
   private readonly raycaster = new THREE.Raycaster();
@@ -68,7 +69,7 @@ export class Viewport {
       this.contact_arrows.push(arrow);
       this.stage.scene.add(arrow.group);
     }
-    this.stage.scene.add(this.spring.group, this.ring);
+    this.stage.scene.add(this.spring.group, this.ring, this.contact_discs.mesh);
     this.undo_subscriptions.push(
       session.store.subscribe((state, before) => this.state_changed(state, before)),
       session.frames.on_frame(() => this.invalidate()),
@@ -392,6 +393,7 @@ export class Viewport {
         this.ring.visible = true;
       }
     });
+    this.contact_discs.begin();
     if (view.contacts && frame) {
       const longest = Math.max(1, ...frame.figures.map((f) => body_weight(frame, f)));
       for (let i = 0; i < frame.contact_count && arrows < max_contact_arrows; i++) {
@@ -399,7 +401,9 @@ export class Viewport {
         const f = frame.floats;
         const force = new THREE.Vector3(f[at + 3], f[at + 4], f[at + 5]).multiplyScalar(0.9 / longest).clampLength(0, 1.6);
         if (force.lengthSq() < 1e-6) continue;
-        this.contact_arrows[arrows++]!.show(new THREE.Vector3(f[at], f[at + 1], f[at + 2]), force);
+        const point = new THREE.Vector3(f[at], f[at + 1], f[at + 2]);
+        this.contact_discs.add(point, force, 0.012 + 0.006 * Math.min(1, force.length()));
+        this.contact_arrows[arrows++]!.show(point, force);
       }
     }
     for (; arrows < max_contact_arrows; arrows++) this.contact_arrows[arrows]!.hide();
