@@ -86,7 +86,7 @@ bool is_tree(const SphereTree& tree) {
         seen[static_cast<std::size_t>(t)] = 1;
         ++leaves;
       } else {
-        if (at(child) <= b || at(child) >= blocks || depth[at(child)] != 0) return false;
+        if (at(child) >= blocks || depth[at(child)] != 0) return false;  // so children come after their parents
         depth[at(child)] = depth[b] + 1;
         ++linked;
       }
