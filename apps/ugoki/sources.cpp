@@ -99,7 +99,7 @@ Result<TargetKind> kind_of(const std::string& target) {
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
     return fail(ErrorCode::unsupported, target, "This kind of file is not known.",
-                "Give a .bvh, .amc, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+                "Give a .bvh, .amc, .c3d, .trc, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
   const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
@@ -136,7 +136,7 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   if (!kind) return fail(kind.error());
   if (*kind == TargetKind::entry) return clip_of_entry(target, options);
   if (*kind != TargetKind::measured_file)
-    return fail(ErrorCode::unsupported, target, "This is no motion.", "Give a .bvh or .amc file, or a motion of the library.");
+    return fail(ErrorCode::unsupported, target, "This is no motion.", "Give a .bvh, .amc, .c3d or .trc file, or a motion of the library.");
   Result<intake::Intake> taken = take_in_file(target, options);
   if (!taken) return fail(std::move(taken.error()));
   return clip_of(std::move(*taken));

@@ -17,5 +17,6 @@ void fuzz_mesh(const std::uint8_t* data, std::size_t size);
 void fuzz_mjcf(const std::uint8_t* data, std::size_t size);
 void fuzz_c3d(const std::uint8_t* data, std::size_t size);
 void fuzz_trc(const std::uint8_t* data, std::size_t size);
+void fuzz_gltf(const std::uint8_t* data, std::size_t size);
 
 }  // namespace ugoki

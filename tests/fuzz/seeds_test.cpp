@@ -40,6 +40,7 @@ TEST(FuzzSeeds, Mesh) { run("mesh", fuzz_mesh); }
 TEST(FuzzSeeds, Mjcf) { run("mjcf", fuzz_mjcf); }
 TEST(FuzzSeeds, C3d) { run("c3d", fuzz_c3d); }
 TEST(FuzzSeeds, Trc) { run("trc", fuzz_trc); }
+TEST(FuzzSeeds, Gltf) { run("gltf", fuzz_gltf); }
 
 }  // namespace
 }  // namespace ugoki

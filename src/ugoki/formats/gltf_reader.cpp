@@ -1,0 +1,325 @@
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/formats/file_axes.h"
+#include "ugoki/formats/gltf_document.h"
+#include "ugoki/formats/text.h"
+
+namespace ugoki::formats {
+namespace {
+
+/// Value of a channel at time t, [3 or 4].
+void sample_channel(const GltfChannel& c, double t, double* out) {
+  const std::size_t n = c.path == GltfPath::rotation ? 4 : 3;
+  const bool cubic = c.interpolation == GltfInterpolation::cubic;
+  const auto value = [&](std::size_t key, std::size_t part) { return c.values.data() + (cubic ? 3 * key + part : key) * n; };
+  const auto copy = [&](std::size_t key) { std::copy_n(value(key, 1), n, out); };
+  const auto after = static_cast<std::size_t>(std::upper_bound(c.times.begin(), c.times.end(), t) - c.times.begin());
+  if (after == 0) return copy(0);
+  if (after == c.times.size()) return copy(after - 1);
+  const std::size_t a = after - 1;
+  const double h = c.times[after] - c.times[a], s = h > 0 ? (t - c.times[a]) / h : 0;
+  if (c.interpolation == GltfInterpolation::step) return copy(a);
+  if (cubic) {
+    const double s2 = s * s, s3 = s2 * s;
+    const double *p0 = value(a, 1), *m0 = value(a, 2), *p1 = value(after, 1), *m1 = value(after, 0);
+    for (std::size_t k = 0; k < n; ++k)
+      out[k] = (2 * s3 - 3 * s2 + 1) * p0[k] + h * (s3 - 2 * s2 + s) * m0[k] + (3 * s2 - 2 * s3) * p1[k] + h * (s3 - s2) * m1[k];
+    return;
+  }
+  const double *p0 = value(a, 0), *p1 = value(after, 0);
+  if (n == 3) {
+    for (std::size_t k = 0; k < 3; ++k) out[k] = p0[k] + s * (p1[k] - p0[k]);
+    return;
+  }
+  const Quat q = slerp(normalized(Quat{p0[3], p0[0], p0[1], p0[2]}), normalized(Quat{p1[3], p1[0], p1[1], p1[2]}), s);
+  out[0] = q.x, out[1] = q.y, out[2] = q.z, out[3] = q.w;
+}
+
+/// Rotation nearest to the linear part by Gram-Schmidt; scale, shear and mirroring are left out.
+Mat3 rotation_of(const Mat3& A) {
+  const Vec3 x = normalized(A.column(0), {1, 0, 0});
+  const Vec3 y = normalized(A.column(1) - x * dot(x, A.column(1)), any_perpendicular(x));
+  return Mat3::columns(x, y, cross(x, y));
+}
+
+Affine local_of(const GltfNode& n) {
+  if (n.matrix) return *n.matrix;
+  return {to_matrix(n.rotation) * Mat3::diagonal(n.scale.x, n.scale.y, n.scale.z), n.translation};
+}
+
+class Reader {
+ public:
+  Reader(GltfDocument document, std::string_view name, const GltfOptions& options, ReadNotes& notes)
+      : doc_(std::move(document)), name_(name), options_(options), notes_(notes) {}
+
+  Result<std::vector<MeasuredMotion>> read() {
+    order_nodes();
+    choose_joints();
+    calc_globals(nullptr, 0);
+    rest_ = globals_;
+    take_bind_poses();
+    std::vector<MeasuredMotion> out;
+    std::size_t numbers = 0;
+    for (const GltfAnimation& a : doc_.animations) {
+      if (std::none_of(a.channels.begin(), a.channels.end(), [&](const GltfChannel& c) { return moves_joint(c.node); })) continue;
+      MeasuredMotion m = start(a.name);
+      double first = 0, last = 0;
+      const double densest = key_range(a, first, last);
+      m.rate = options_.rate > 0 ? options_.rate : densest;
+      m.frames = std::max(1, static_cast<int>(std::floor((last - first) * m.rate + 1e-3)) + 1);
+      numbers += static_cast<std::size_t>(m.frames) * joints_.size();
+      if (numbers > max_numbers / 8)
+        return fail(ErrorCode::range, std::string(name_) + ":animations", "the animations have more than 50 million joint positions.",
+                    "Give a lower rate, or cut the file into parts.");
+      fill(a, first, m);
+      out.push_back(std::move(m));
+    }
+    if (out.empty()) {
+      MeasuredMotion m = start("");
+      m.frames = 1;
+      m.rate = 30;
+      fill({}, 0, m);
+      out.push_back(std::move(m));
+      notes_.remarks.push_back("The file has no animation of its joints; it gives one frame at rest.");
+    }
+    finish_units(out);
+    name_motions(out);
+    for (const MeasuredMotion& m : out)
+      for (const Vec3& t : m.translations)
+        if (!is_finite(t) || norm(t) > max_magnitude)
+          return fail(ErrorCode::range, std::string(name_) + ":nodes", "a joint lies farther than 1e9 m from the origin.",
+                      "Correct the scales of the nodes.");
+    return out;
+  }
+
+ private:
+  void order_nodes() {
+    // Parents first, otherwise as in the file.
+    std::vector<char> done(doc_.nodes.size());
+    std::vector<std::size_t> way;
+    for (std::size_t i = 0; i < doc_.nodes.size(); ++i) {
+      for (int n = static_cast<int>(i); n >= 0 && done[static_cast<std::size_t>(n)] == 0;
+           n = doc_.nodes[static_cast<std::size_t>(n)].parent)
+        way.push_back(static_cast<std::size_t>(n));
+      for (; !way.empty(); way.pop_back()) {
+        done[way.back()] = 1;
+        order_.push_back(way.back());
+      }
+    }
+  }
+
+  void choose_joints() {
+    std::vector<char> joint(doc_.nodes.size());
+    for (const GltfSkin& skin : doc_.skins)
+      for (const int j : skin.joints) joint[static_cast<std::size_t>(j)] = 1;
+    if (doc_.skins.empty()) joint.assign(joint.size(), 1);
+    // Nodes above joints belong to them only where they stand between joints or move.
+    std::vector<char> moved(doc_.nodes.size());
+    for (const GltfAnimation& a : doc_.animations)
+      for (const GltfChannel& c : a.channels) moved[static_cast<std::size_t>(c.node)] = 1;
+    for (std::size_t i = 0; i < joint.size(); ++i) {
+      if (joint[i] != 1) continue;
+      bool above_is_needed = false;
+      std::vector<int> way;
+      for (int n = doc_.nodes[i].parent; n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent) way.push_back(n);
+      for (auto it = way.rbegin(); it != way.rend(); ++it) {
+        const auto n = static_cast<std::size_t>(*it);
+        above_is_needed = above_is_needed || joint[n] == 1 || moved[n] != 0;
+        if (above_is_needed && joint[n] == 0) joint[n] = 2;
+      }
+    }
+    of_node_.assign(doc_.nodes.size(), -1);
+    for (const std::size_t n : order_) {
+      if (joint[n] == 0) continue;
+      of_node_[n] = static_cast<int>(joints_.size());
+      joints_.push_back(n);
+    }
+  }
+
+  [[nodiscard]] bool moves_joint(int node) const {
+    for (const std::size_t j : joints_)
+      for (int n = static_cast<int>(j); n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent)
+        if (n == node) return true;
+    return false;
+  }
+
+  [[nodiscard]] int parent_joint(std::size_t joint) const {
+    for (int n = doc_.nodes[joints_[joint]].parent; n >= 0; n = doc_.nodes[static_cast<std::size_t>(n)].parent)
+      if (of_node_[static_cast<std::size_t>(n)] >= 0) return of_node_[static_cast<std::size_t>(n)];
+    return -1;
+  }
+
+  void calc_globals(const GltfAnimation* animation, double t) {
+    std::vector<GltfNode>& posed = posed_;
+    posed = doc_.nodes;
+    if (animation != nullptr) {
+      for (const GltfChannel& c : animation->channels) {
+        GltfNode& n = posed[static_cast<std::size_t>(c.node)];
+        double v[4] = {0, 0, 0, 0};
+        sample_channel(c, t, v);
+        n.matrix.reset();
+        if (c.path == GltfPath::translation) n.translation = {v[0], v[1], v[2]};
+        if (c.path == GltfPath::scale) n.scale = {v[0], v[1], v[2]};
+        if (c.path == GltfPath::rotation) n.rotation = normalized(Quat{v[3], v[0], v[1], v[2]});
+      }
+    }
+    globals_.resize(posed.size());
+    for (const std::size_t i : order_) {
+      const Affine local = local_of(posed[i]);
+      globals_[i] = posed[i].parent < 0 ? local : globals_[static_cast<std::size_t>(posed[i].parent)] * local;
+    }
+  }
+
+  /// A joint's bind pose is the mesh's place times the inverse of its inverse bind matrix.
+  void take_bind_poses() {
+    for (std::size_t s = 0; s < doc_.skins.size(); ++s) {
+      const GltfSkin& skin = doc_.skins[s];
+      const auto mesh =
+          std::find_if(doc_.nodes.begin(), doc_.nodes.end(), [&](const GltfNode& n) { return n.skin == static_cast<int>(s); });
+      if (mesh == doc_.nodes.end() || skin.inverse_binds.empty()) continue;
+      const Affine place = globals_[static_cast<std::size_t>(mesh - doc_.nodes.begin())];
+      for (std::size_t j = 0; j < skin.joints.size(); ++j) {
+        const Affine& inv = skin.inverse_binds[j];
+        const double determinant = dot(inv.A.column(0), cross(inv.A.column(1), inv.A.column(2)));
+        if (!(std::fabs(determinant) > 1e-12)) continue;
+        const Mat3 A = inverse(inv.A);
+        const Affine bind = place * Affine{A, -(A * inv.p)};
+        if (is_finite(bind.p)) rest_[static_cast<std::size_t>(skin.joints[j])] = bind;
+      }
+    }
+  }
+
+  /// Rate of the densest keys, and the range of all keys.
+  double key_range(const GltfAnimation& a, double& first, double& last) const {
+    double gap = 0;
+    bool any = false;
+    for (const GltfChannel& c : a.channels) {
+      first = any ? std::min(first, c.times.front()) : c.times.front();
+      last = any ? std::max(last, c.times.back()) : c.times.back();
+      any = true;
+      for (std::size_t k = 1; k < c.times.size(); ++k) {
+        const double d = c.times[k] - c.times[k - 1];
+        if (d > 1e-3 && (gap == 0 || d < gap)) gap = d;
+      }
+    }
+    if (gap == 0) return 30;
+    const double rate = std::round(1 / gap);
+    // Keys of single precision: 1 / 24 s comes as 0.0416667. Sparse keys are sampled finely enough to keep the curve between them.
+    const double near = std::fabs(rate * gap - 1) < 2e-3 ? rate : 1 / gap;
+    return near < 10 ? near * std::ceil(30 / near - 1e-9) : std::min(near, 1000.0);
+  }
+
+  MeasuredMotion start(const std::string& animation) const {
+    MeasuredMotion m;
+    m.name = animation;
+    m.source = std::string(name_);
+    m.skeleton.name = stem_of(name_);
+    const FileAxes axes;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      SkeletonJoint joint;
+      const std::string& name = doc_.nodes[joints_[j]].name;
+      joint.name = name.empty() ? "node_" + std::to_string(joints_[j]) : utf8(name);
+      joint.parent = parent_joint(j);
+      const Vec3 p = rest_[joints_[j]].p;
+      joint.offset = axes.from_file(joint.parent < 0 ? p : p - rest_[joints_[static_cast<std::size_t>(joint.parent)]].p);
+      joint.freedoms = {{{0, 0, 1}}, {{0, 1, 0}}, {{1, 0, 0}}};
+      joint.translates = joint.parent < 0;
+      m.skeleton.joints.push_back(std::move(joint));
+    }
+    // Names that two nodes share get a number.
+    std::vector<std::string> names;
+    for (SkeletonJoint& j : m.skeleton.joints) {
+      std::string unique = j.name;
+      for (int k = 2; std::find(names.begin(), names.end(), unique) != names.end(); ++k) unique = j.name + "_" + std::to_string(k);
+      j.name = unique;
+      names.push_back(unique);
+    }
+    return m;
+  }
+
+  /// Turns from rest in world axes, made local to the parent's; places from the parent's in its axes.
+  void fill(const GltfAnimation& a, double first, MeasuredMotion& m) {
+    const FileAxes axes;
+    const std::size_t n = joints_.size();
+    std::vector<Mat3> rest(n), turn(n);
+    std::vector<Vec3> place(n);
+    for (std::size_t j = 0; j < n; ++j) rest[j] = rotation_of(rest_[joints_[j]].A).transposed();
+    const auto ours = [&](const Mat3& R) {  // P R P^T
+      const auto turned = [&](const Vec3& e) { return axes.from_file(R * axes.to_file(e)); };
+      return Mat3::columns(turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}));
+    };
+    for (int f = 0; f < m.frames; ++f) {
+      calc_globals(&a, first + f / m.rate);
+      for (std::size_t j = 0; j < n; ++j) {
+        turn[j] = ours(rotation_of(globals_[joints_[j]].A) * rest[j]);
+        place[j] = axes.from_file(globals_[joints_[j]].p);
+        const int p = m.skeleton.joints[j].parent;
+        if (p < 0) {
+          m.rotations.push_back(to_quat(turn[j]));
+          m.translations.push_back(place[j]);
+          continue;
+        }
+        const auto parent = static_cast<std::size_t>(p);
+        m.rotations.push_back(to_quat(turn[parent].transposed() * turn[j]));
+        const Vec3 local = transpose_times(turn[parent], place[j] - place[parent]);
+        if (norm(local - m.skeleton.joints[j].offset) > 1e-5 * (1 + norm(local))) m.skeleton.joints[j].translates = true;
+        m.translations.push_back(local);
+      }
+    }
+  }
+
+  void finish_units(std::vector<MeasuredMotion>& motions) {
+    double metres = options_.metres_per_unit;
+    if (!(metres > 0) || !std::isfinite(metres)) {
+      metres = 1;
+      const double extent = rest_extent(motions[0].skeleton);
+      if (extent > 20 || (extent > 0 && extent < 0.01)) {
+        const UnitGuess guess = guess_unit(extent);
+        metres = guess.metres;
+        notes_.unit_guessed = true;
+        notes_.remarks.push_back("The format's unit is the metre, but the skeleton would be " + to_fixed(extent, 2) +
+                                 " m large; lengths are taken as " + guess.name + ".");
+      }
+    }
+    notes_.metres_per_unit = metres;
+    for (MeasuredMotion& m : motions) {
+      m.skeleton.unit = metres;
+      for (SkeletonJoint& j : m.skeleton.joints) j.offset *= metres;
+      for (Vec3& t : m.translations) t *= metres;
+    }
+  }
+
+  void name_motions(std::vector<MeasuredMotion>& motions) const {
+    const std::string stem = stem_of(name_);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      std::string& name = motions[i].name;
+      if (name.empty()) name = motions.size() == 1 ? stem : stem + " " + std::to_string(i + 1);
+      name = utf8(name);
+    }
+  }
+
+  GltfDocument doc_;
+  std::string_view name_;
+  const GltfOptions& options_;
+  ReadNotes& notes_;
+  std::vector<std::size_t> order_;   // nodes, parents first
+  std::vector<std::size_t> joints_;  // nodes that become joints, parents first
+  std::vector<int> of_node_;         // joint of a node, or -1
+  std::vector<GltfNode> posed_;
+  std::vector<Affine> globals_, rest_;  // [nodes]
+};
+
+}  // namespace
+
+Result<std::vector<MeasuredMotion>> read_gltf(std::span<const std::byte> bytes, std::string_view file_name, const GltfOptions& options,
+                                              ReadNotes* notes) {
+  ReadNotes own;
+  ReadNotes& told = notes != nullptr ? *notes : own;
+  auto document = read_gltf_document(bytes, file_name, options.files, told);
+  if (!document) return fail(std::move(document.error()));
+  return Reader(std::move(*document), file_name, options, told).read();
+}
+
+}  // namespace ugoki::formats

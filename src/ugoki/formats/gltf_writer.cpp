@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "ugoki/formats/file_axes.h"
+#include "ugoki/formats/gltf.h"
+#include "ugoki/json/json.h"
+
+namespace ugoki::formats {
+namespace {
+
+using json::Json;
+
+/// The binary chunk as it grows, with its views and accessors.
+class Chunk {
+ public:
+  /// @param type "VEC3"  @param kind 5126 float, 5123 unsigned short  @param target 0 or what the view is for  @return index of the
+  /// accessor
+  int add(const void* data, std::size_t size, std::size_t count, const char* type, int kind, int target = 0) {
+    bytes_.resize((bytes_.size() + 3) / 4 * 4);
+    Json view{{"buffer", 0}, {"byteOffset", bytes_.size()}, {"byteLength", size}};
+    if (target != 0) view["target"] = target;
+    views.push_back(std::move(view));
+    const auto* p = static_cast<const std::byte*>(data);
+    bytes_.insert(bytes_.end(), p, p + size);
+    accessors.push_back({{"bufferView", views.size() - 1}, {"componentType", kind}, {"count", count}, {"type", type}});
+    return static_cast<int>(accessors.size()) - 1;
+  }
+  int floats(const std::vector<float>& v, std::size_t components, const char* type, int target = 0) {
+    return add(v.data(), 4 * v.size(), v.size() / components, type, 5126, target);
+  }
+  /// Least and greatest of every component, as the format wants them for positions and times.
+  void bound(int accessor, const std::vector<float>& v, std::size_t components) {
+    Json low = Json::array(), high = Json::array();
+    for (std::size_t c = 0; c < components; ++c) {
+      float least = v[c], most = v[c];
+      for (std::size_t i = c; i < v.size(); i += components) {
+        least = std::min(least, v[i]);
+        most = std::max(most, v[i]);
+      }
+      low.push_back(least);
+      high.push_back(most);
+    }
+    accessors[static_cast<std::size_t>(accessor)]["min"] = low;
+    accessors[static_cast<std::size_t>(accessor)]["max"] = high;
+  }
+  std::vector<std::byte>& bytes() { return bytes_; }
+
+  Json views = Json::array(), accessors = Json::array();
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+void put(std::vector<float>& out, const Vec3& v) {
+  for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
+}
+
+/// A file's rotation of ours: the axes are turned, the angle stays.
+void put(std::vector<float>& out, const Quat& q, const FileAxes& axes) {
+  const Vec3 v = axes.to_file({q.x, q.y, q.z});
+  std::array<double, 4> x = {v.x, v.y, v.z, q.w};
+  // Unit to the last digit of single precision, as validators ask.
+  double length = 0;
+  for (double& c : x) {
+    c = static_cast<double>(static_cast<float>(c));
+    length += c * c;
+  }
+  for (const double c : x) out.push_back(static_cast<float>(c / std::sqrt(length)));
+}
+
+/// A bone: a double pyramid from a to b, flat-shaded.
+struct Bones {
+  std::vector<float> positions, normals, weights;
+  std::vector<std::uint16_t> joints;
+
+  void add(const Vec3& a, const Vec3& b, int joint) {
+    const Vec3 d = b - a;
+    const double length = norm(d);
+    if (!(length > 1e-6)) return;
+    const Vec3 z = d / length, x = any_perpendicular(z), y = cross(z, x);
+    const double w = 0.12 * length;
+    const Vec3 m = a + d * 0.2;
+    const std::array<Vec3, 4> ring = {m + x * w, m + y * w, m - x * w, m - y * w};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3 &p = ring[k], &q = ring[(k + 1) % 4];
+      triangle(a, q, p, joint);
+      triangle(b, p, q, joint);
+    }
+  }
+
+ private:
+  void triangle(const Vec3& a, const Vec3& b, const Vec3& c, int joint) {
+    const Vec3 n = normalized(cross(b - a, c - a));
+    for (const Vec3& v : {a, b, c}) {
+      put(positions, v);
+      put(normals, n);
+      joints.insert(joints.end(), {static_cast<std::uint16_t>(joint), 0, 0, 0});
+      weights.insert(weights.end(), {1, 0, 0, 0});
+    }
+  }
+};
+
+Json skin_and_mesh(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& root) {
+  const std::vector<Vec3> rest = rest_positions(m.skeleton);
+  const std::size_t n = rest.size();
+  Bones bones;
+  std::vector<float> binds;
+  Json joints = Json::array();
+  for (std::size_t j = 0; j < n; ++j) {
+    const Vec3 p = axes.to_file(rest[j]);
+    for (const double v : {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, -p.x, -p.y, -p.z, 1.0})
+      binds.push_back(static_cast<float>(v));
+    joints.push_back(j);
+    for (const Vec3& e : m.skeleton.joints[j].end_sites) bones.add(p, p + axes.to_file(e), static_cast<int>(j));
+    const int parent = m.skeleton.joints[j].parent;
+    if (parent >= 0) bones.add(axes.to_file(rest[static_cast<std::size_t>(parent)]), p, parent);
+  }
+  if (bones.positions.empty()) bones.add({0, 0, 0}, {0, 0.1, 0}, 0);
+  const std::size_t vertices = bones.positions.size() / 3;
+  const int positions = chunk.floats(bones.positions, 3, "VEC3", 34962);
+  chunk.bound(positions, bones.positions, 3);
+  const int normals = chunk.floats(bones.normals, 3, "VEC3", 34962);
+  const int weights = chunk.floats(bones.weights, 4, "VEC4", 34962);
+  const int owners = chunk.add(bones.joints.data(), 2 * bones.joints.size(), vertices, "VEC4", 5123, 34962);
+  root["meshes"] = Json::array(
+      {{{"name", "bones"},
+        {"primitives",
+         Json::array({{{"attributes", {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", owners}, {"WEIGHTS_0", weights}}},
+                       {"material", 0}}})}}});
+  root["materials"] = Json::array(
+      {{{"name", "bones"},
+        {"pbrMetallicRoughness", {{"baseColorFactor", {0.72, 0.74, 0.78, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 0.7}}}}});
+  root["skins"] = Json::array({{{"joints", joints}, {"inverseBindMatrices", chunk.floats(binds, 16, "MAT4")}}});
+  return {{"name", m.skeleton.name.empty() ? "figure" : m.skeleton.name}, {"mesh", 0}, {"skin", 0}};
+}
+
+void animate(const MeasuredMotion& m, const FileAxes& axes, Chunk& chunk, Json& root) {
+  std::vector<float> times;
+  for (int f = 0; f < m.frames; ++f) times.push_back(static_cast<float>(f / m.rate));
+  const int input = chunk.floats(times, 1, "SCALAR");
+  chunk.bound(input, times, 1);
+  Json channels = Json::array(), samplers = Json::array();
+  const auto add = [&](std::size_t joint, const char* path, int output) {
+    samplers.push_back({{"input", input}, {"interpolation", "LINEAR"}, {"output", output}});
+    channels.push_back({{"sampler", samplers.size() - 1}, {"target", {{"node", joint}, {"path", path}}}});
+  };
+  const std::size_t n = m.skeleton.joints.size();
+  for (std::size_t j = 0; j < n; ++j) {
+    std::vector<float> places, turns;
+    bool still = true;
+    for (std::size_t f = 0; f < static_cast<std::size_t>(m.frames); ++f) {
+      const std::size_t at = f * n + j;
+      put(places, axes.to_file(m.translations[at]));
+      Quat q = m.rotations[at];
+      if (f > 0) {
+        const Quat& before = m.rotations[at - n];
+        if (q.w * before.w + dot(q.vec(), before.vec()) < 0) q = {-q.w, -q.x, -q.y, -q.z};
+      }
+      put(turns, q, axes);
+      still = still && norm(m.translations[at] - m.skeleton.joints[j].offset) < 1e-9;
+    }
+    if (!still) add(j, "translation", chunk.floats(places, 3, "VEC3"));
+    add(j, "rotation", chunk.floats(turns, 4, "VEC4"));
+  }
+  root["animations"] = Json::array({{{"name", m.name.empty() ? "motion" : m.name}, {"channels", channels}, {"samplers", samplers}}});
+}
+
+}  // namespace
+
+std::vector<std::byte> write_glb(const MeasuredMotion& m) {
+  const FileAxes axes;
+  Chunk chunk;
+  Json root{{"asset", {{"version", "2.0"}, {"generator", "Ugoki"}}}, {"scene", 0}};
+  Json nodes = Json::array(), joint_roots = Json::array();
+  for (std::size_t j = 0; j < m.skeleton.joints.size(); ++j) {
+    const SkeletonJoint& joint = m.skeleton.joints[j];
+    const Vec3 p = axes.to_file(joint.offset);
+    Json node{{"name", joint.name}, {"translation", {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}}};
+    nodes.push_back(std::move(node));
+    if (joint.parent < 0) {
+      joint_roots.push_back(j);
+      continue;
+    }
+    nodes[static_cast<std::size_t>(joint.parent)]["children"].push_back(j);
+  }
+  if (m.frames > 0) animate(m, axes, chunk, root);
+  if (joint_roots.size() > 1) {  // joints of a skin need a common root
+    nodes.push_back({{"name", "roots"}, {"children", joint_roots}});
+    joint_roots = Json::array({nodes.size() - 1});
+  }
+  Json roots = std::move(joint_roots);
+  nodes.push_back(skin_and_mesh(m, axes, chunk, root));
+  roots.push_back(nodes.size() - 1);
+  root["scenes"] = Json::array({{{"nodes", roots}}});
+  root["nodes"] = std::move(nodes);
+  std::vector<std::byte>& binary = chunk.bytes();
+  root["bufferViews"] = std::move(chunk.views);
+  root["accessors"] = std::move(chunk.accessors);
+  binary.resize((binary.size() + 3) / 4 * 4);
+  root["buffers"] = Json::array({{{"byteLength", binary.size()}}});
+  std::string text = json::to_text(root);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  std::vector<std::byte> out;
+  const auto word = [&](std::size_t v) {
+    for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::byte>(v >> (8 * k) & 0xff));
+  };
+  word(0x46546C67);
+  word(2);
+  word(12 + 8 + text.size() + 8 + binary.size());
+  word(text.size());
+  word(0x4E4F534A);
+  const auto* p = reinterpret_cast<const std::byte*>(text.data());
+  out.insert(out.end(), p, p + text.size());
+  word(binary.size());
+  word(0x004E4942);
+  out.insert(out.end(), binary.begin(), binary.end());
+  return out;
+}
+
+}  // namespace ugoki::formats

@@ -1,0 +1,170 @@
+#include "ugoki/formats/gltf.h"
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "expect.h"
+
+namespace ugoki::formats {
+namespace {
+
+std::string base64(const std::vector<float>& numbers) {
+  std::vector<unsigned char> bytes(numbers.size() * 4);
+  std::memcpy(bytes.data(), numbers.data(), bytes.size());
+  constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned v = 0;
+    for (std::size_t k = 0; k < 3; ++k) v = v << 8 | (i + k < bytes.size() ? bytes[i + k] : 0U);
+    for (int k = 3; k >= 0; --k) out.push_back(i + static_cast<std::size_t>(3 - k) > bytes.size() ? '=' : digits[v >> (6 * k) & 63]);
+  }
+  return out;
+}
+
+/// Two nodes, the upper one 1 m up, the lower one 2 m above it and moved by an animation of this interpolation: times 0, 1, 2 s.
+std::string arm(const std::string& interpolation, const std::string& path, const std::vector<float>& values) {
+  const std::size_t components = path == "rotation" ? 4 : 3;
+  std::vector<float> numbers = {0, 1, 2};
+  numbers.insert(numbers.end(), values.begin(), values.end());
+  return R"({"asset": {"version": "2.0"}, "nodes": [
+    {"name": "arm", "translation": [0, 1, 0], "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476], "children": [1]},
+    {"name": "hand", "translation": [0, 2, 0], "scale": [1, 1, 1]}],
+    "animations": [{"name": "wave", "channels": [{"sampler": 0, "target": {"node": )" +
+         std::string(path == "rotation" ? "0" : "1") + R"(, "path": ")" + path + R"("}}],
+      "samplers": [{"input": 0, "output": 1, "interpolation": ")" +
+         interpolation + R"("}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "SCALAR"},
+      {"bufferView": 0, "byteOffset": 12, "componentType": 5126, "count": )" +
+         std::to_string(values.size() / components) + R"(, "type": "VEC)" + std::to_string(components) + R"("}],
+    "bufferViews": [{"buffer": 0, "byteLength": )" +
+         std::to_string(4 * numbers.size()) + R"(}],
+    "buffers": [{"byteLength": )" +
+         std::to_string(4 * numbers.size()) + R"(, "uri": "data:application/octet-stream;base64,)" + base64(numbers) + R"("}]})";
+}
+
+Result<std::vector<MeasuredMotion>> read(const std::string& text, GltfOptions options = {}, ReadNotes* notes = nullptr) {
+  return read_gltf(std::as_bytes(std::span(text)), "arm.gltf", options, notes);
+}
+
+Vec3 hand_at(const MeasuredMotion& m, int frame) {
+  std::vector<Pose> X;
+  m.calc_joint_poses(frame, X);
+  return X[1].p;
+}
+
+// The file's (x, y, z) is (z, x, y) of ours. The arm is turned by 90 degrees about the file's Z: its Y points along -X.
+
+TEST(Gltf, LinearKeysAreJoinedByStraightLines) {
+  const auto m = read(arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), {.rate = 4});
+  ASSERT_TRUE(m.has_value()) << text_of(m.error());
+  ASSERT_EQ(m->size(), 1U);
+  EXPECT_EQ((*m)[0].name, "wave");
+  EXPECT_EQ((*m)[0].frames, 9);
+  expect_near(hand_at((*m)[0], 0), {0, -2, 1}, 1e-6, "start");
+  expect_near(hand_at((*m)[0], 2), {0, -3, 1}, 1e-6, "half way");
+  expect_near(hand_at((*m)[0], 6), {0, -4, 1.5}, 1e-6, "second half");
+  EXPECT_TRUE((*m)[0].skeleton.joints[1].translates);
+}
+
+TEST(Gltf, StepsHoldAndCubicsFollowTheirTangents) {
+  const auto step = read(arm("STEP", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), {.rate = 4});
+  ASSERT_TRUE(step.has_value());
+  expect_near(hand_at((*step)[0], 3), {0, -2, 1}, 1e-6, "held");
+  expect_near(hand_at((*step)[0], 4), {0, -4, 1}, 1e-6, "next");
+  // In-tangent, value, out-tangent of each key; y goes from 0 with slope 1 to 0 with slope 0: y(s) = s (1 - s)^2.
+  const auto cubic = read(
+      arm("CUBICSPLINE", "translation", {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}), {.rate = 4});
+  ASSERT_TRUE(cubic.has_value()) << text_of(cubic.error());
+  for (int f = 0; f <= 4; ++f) {
+    const double s = f / 4.0;
+    expect_near(hand_at((*cubic)[0], f), {0, -s * (1 - s) * (1 - s), 1}, 1e-6, "cubic");
+  }
+}
+
+TEST(Gltf, RotationsTurnAlongTheShortestArc) {
+  const float h = 0.70710678f;
+  const auto m = read(arm("LINEAR", "rotation", {0, 0, 0, 1, 0, 0, -h, -h, 0, 0, 0, 1}), {.rate = 2});
+  ASSERT_TRUE(m.has_value()) << text_of(m.error());
+  const double r = std::sqrt(2.0);
+  expect_near(hand_at((*m)[0], 0), {0, 0, 3}, 1e-6, "upright");
+  expect_near(hand_at((*m)[0], 1), {0, -r, 1 + r}, 1e-6, "half way");
+  expect_near(hand_at((*m)[0], 2), {0, -2, 1}, 1e-6, "turned");
+}
+
+TEST(Gltf, WhatIsWrittenIsReadBack) {
+  const auto m = read(arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), {.rate = 10});
+  ASSERT_TRUE(m.has_value());
+  const std::vector<std::byte> bytes = write_glb((*m)[0]);
+  EXPECT_EQ(bytes.size() % 4, 0U);
+  const auto back = read_gltf(bytes, "arm.glb");
+  ASSERT_TRUE(back.has_value()) << text_of(back.error());
+  EXPECT_EQ((*back)[0].rate, 10);
+  EXPECT_LT(greatest_distance((*m)[0], (*back)[0], 1), 1e-6);
+}
+
+TEST(Gltf, BrokenFilesAreRefusedWithPlaceAndRemedy) {
+  const std::string good = arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0});
+  const auto refused = [](const std::string& text, const std::string& what, const std::string& place) {
+    const auto m = read(text);
+    ASSERT_FALSE(m.has_value()) << what;
+    const Problem& p = m.error().problems.at(0);
+    EXPECT_NE(p.place.find(place), std::string::npos) << what << ": " << p.text();
+    EXPECT_TRUE(p.message.ends_with('.')) << p.text();
+    EXPECT_FALSE(p.remedy.empty()) << p.text();
+  };
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  };
+  refused("", "empty", "arm.gltf");
+  refused(good.substr(0, 300), "cut", "arm.gltf");
+  refused("{}", "no asset", "asset/version");
+  refused(with("\"2.0\"", "\"1.0\""), "version 1", "asset/version");
+  refused(with("\"children\": [1]", "\"children\": [7]"), "no such child", "nodes/0/children");
+  refused(with("\"children\": [1]", "\"children\": [0]"), "own child", "nodes/0");
+  refused(with("[0, 1, 0]", "[0, 1]"), "two numbers", "nodes/0");
+  refused(with("[0, 1, 0]", "[0, 1e300, 0]"), "huge", "nodes/0");
+  refused(with("\"sampler\": 0", "\"sampler\": 3"), "no sampler", "animations/0/channels/0");
+  refused(with("\"node\": 1", "\"node\": 9"), "no node", "animations/0/channels/0");
+  refused(with("\"count\": 3", "\"count\": 4000000000"), "count", "animations/0/channels/0");
+  refused(with("\"byteOffset\": 12", "\"byteOffset\": 1200"), "offset", "animations/0/channels/0");
+  refused(with("\"byteLength\": 48", "\"byteLength\": 4800"), "view beyond buffer", "animations/0/channels/0");
+  refused(with("VEC3", "VEC4"), "type", "animations/0/channels/0");
+  refused(with("data:application/octet-stream;base64,", "data:application/octet-stream;base64,*"), "base64", "buffers/0");
+  refused(with("data:application/octet-stream;base64,", "other.bin?"), "another file", "buffers/0");
+  std::string glb("glTF\x02\x00\x00\x00\xff\xff\x00\x00\x10\x00\x00\x00JSON", 20);
+  refused(glb, "short GLB", "header");
+}
+
+TEST(Gltf, SharedFiles) {
+  const std::string folder = std::string(UGOKI_SOURCE_DIR) + "/../shared/data/";
+  struct Expected {
+    const char* file;
+    int joints;
+    std::size_t animations;
+    int first_frames;
+  };
+  for (const Expected& e : {Expected{"animal/Fox.glb", 24, 3, 83}, Expected{"animal/bird-animations.glb", 55, 5, 15},
+                            Expected{"animal/fox-animations.glb", 49, 14, 84}, Expected{"animal/snake-animations.glb", 28, 8, 30},
+                            Expected{"gltf/cesium_man.gltf", 19, 1, 49}, Expected{"gltf/rigged_simple.gltf", 2, 1, 50},
+                            Expected{"gltf/rig-human.glb", 66, 1, 1}}) {
+    std::ifstream in(folder + e.file, std::ios::binary);
+    if (!in) GTEST_SKIP() << "no " << folder << e.file;
+    const std::vector<char> raw{std::istreambuf_iterator<char>(in), {}};
+    const auto m = read_gltf(std::as_bytes(std::span(raw)), e.file);
+    ASSERT_TRUE(m.has_value()) << text_of(m.error());
+    EXPECT_EQ(m->size(), e.animations) << e.file;
+    EXPECT_EQ((*m)[0].joint_count(), e.joints) << e.file;
+    EXPECT_EQ((*m)[0].frames, e.first_frames) << e.file;
+    const auto back = read_gltf(write_glb((*m)[0]), "again.glb", {.rate = (*m)[0].rate, .metres_per_unit = 1});
+    ASSERT_TRUE(back.has_value()) << text_of(back.error());
+    EXPECT_LT(greatest_distance((*m)[0], (*back)[0], 5), 1e-5) << e.file;
+  }
+}
+
+}  // namespace
+}  // namespace ugoki::formats
