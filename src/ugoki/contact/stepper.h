@@ -1,17 +1,18 @@
 #pragma once
 // One step of several link systems with contact, friction, joint limits, springs, dampers and dry joint friction.
 //
-// Velocity level: with M' = M + dt D + dt^2 K (implicit dampers D and springs K),
+// First the impacts (collision_impulse.h): contacts that are hit with restitution give their impulse (12)-(19), v <- v+. Then, at the
+// level of velocities, with M' = M + dt D + dt^2 K (implicit dampers D and springs K),
 //   v' = v + M'^-1 (dt (tau - b - passive) + J^T p),   q' = q (+) v' dt,
-// the impulses p solve, for every contact (normal n, tangents t) and limit:
-//   normal:    p_n >= 0,  u_n >= target,  p_n (u_n - target) = 0        (the paper's impulse (12)-(19) with restitution)
+// the impulses p solve, for every contact (normal n, tangents t) and limit (velocity_solver.h):
+//   normal:    p_n >= 0,  u_n >= target,  p_n (u_n - target) = 0
 //   friction:  |p_t| <= mu p_n, against the sliding velocity u_t
 //   limits:    p >= 0 against the velocity into the limit;   dry friction: |p| <= dt * friction
 //   loops:     u = -gap / dt, p free (closed link systems)
-// by block Gauss-Seidel on the Delassus matrix J M'^-1 J^T, which comes from the sparse factor of M' (rows live on the chains
-// of the touching links only). target is -distance/dt for gaps (contact is predicted one step ahead), a bounded
-// recovery velocity for penetrations, and -e u_n for impacts. Loops are eliminated from that matrix beforehand, exactly (Cholesky
-// with the greatest pivot first; rows that follow from others are left out), and positions are closed to rounding after the step.
+// Rows come from the sparse factor of M' (they live on the chains of the touching links only). target is -distance/dt for gaps
+// (contact is predicted one step ahead) and a bounded recovery velocity for penetrations. Loops are eliminated beforehand,
+// exactly: the rows of everything else are projected onto what the loops allow (rows of loops that follow from others are left
+// out), and positions are closed to rounding after the step.
 // Sources: Nagashima (1999) section 6.3; Hwangbo, Lee, Hutter (2018), Per-contact iteration; Featherstone (2008) ch. 8, 11.
 
 #include <memory>
@@ -20,20 +21,23 @@
 #include <vector>
 
 #include "ugoki/collision/contact_point.h"
+#include "ugoki/contact/collision_impulse.h"
+#include "ugoki/contact/velocity_solver.h"
+#include "ugoki/contact/warm_start.h"
 #include "ugoki/dynamics/closed_links.h"
 #include "ugoki/dynamics/dynamics.h"
 
 namespace ugoki::contact {
 
 struct StepperOptions {
-  Vec3 gravity{0, 0, -9.81};    ///< m/s^2
-  int iterations = 60;          ///< greatest number of Gauss-Seidel sweeps
-  double tolerance = 1e-7;      ///< m/s: sweeps end when no velocity changes more
-  double slop = 5e-4;           ///< m of penetration that is left alone, so that resting contacts stay
-  double recovery_time = 0.02;  ///< s in which deeper penetration is pushed out
-  double recovery_speed = 0.6;  ///< m/s, greatest speed of that
-  double impact_speed = 0.25;   ///< m/s: slower approaches do not bounce
-  double softness = 1e-3;       ///< share of a row's own inverse inertia added to it, so that redundant contacts share the load
+  Vec3 gravity{0, 0, -9.81};     ///< m/s^2
+  int iterations = 200;          ///< greatest number of sweeps over an island
+  double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes more
+  double recovery_time = 0.008;  ///< s in which penetration is pushed out
+  double recovery_speed = 0.6;   ///< m/s, greatest speed of that
+  double impact_speed = 0.05;    ///< m/s: slower approaches do not bounce
+  double softness = 1e-4;        ///< share of a contact's own inverse inertia added to it, so that redundant contacts share the load
+  double rolling = 0.02;         ///< rolling resistance of free round bodies: moment / (radius times normal force)
 };
 
 /// One system's part in a step. Spans of the caller's memory.
@@ -54,11 +58,14 @@ enum class StepStatus {
 struct StepReport {
   StepStatus status = StepStatus::ok;
   int system = -1, freedom = -1;
-  int sweeps = 0;
-  double residual = 0;  ///< m/s: change of velocity in the last sweep
-  int contacts = 0;     ///< contacts that took part
-  int limits = 0;       ///< joint limits that took part
-  double loop_gap = 0;  ///< m | rad: greatest gap that the closed loops are left with
+  int sweeps = 0;        ///< of the island that took most
+  int newton_steps = 0;  ///< of all islands
+  int islands = 0;       ///< groups of systems that touch, and systems alone that have limits or ground contacts
+  double residual = 0;   ///< m/s: greatest change of velocity in the last sweep
+  int contacts = 0;      ///< contacts that took part
+  int limits = 0;        ///< joint limits and dry frictions that took part
+  int impacts = 0;       ///< collisions of the impact phase
+  double loop_gap = 0;   ///< m | rad: greatest gap that the closed loops are left with
 };
 
 class Stepper {
@@ -70,7 +77,8 @@ class Stepper {
   /// No allocation after warm-up, unless the number of contacts grows.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
 
-  /// Force [N] on body a of each contact of the last step, world axes, in the order of its contacts.
+  /// Force [N] on body a of each contact of the last step, world axes, in the order of its contacts. An impact's impulse
+  /// counts as a force that is constant over the step, eq. (17).
   [[nodiscard]] std::span<const Vec3> contact_forces() const { return forces_; }
   /// Kinematics at the beginning of the last step.
   [[nodiscard]] const dynamics::Workspace& workspace(int system) const { return workspaces_[static_cast<std::size_t>(system)]; }
@@ -78,50 +86,28 @@ class Stepper {
   [[nodiscard]] int system_count() const { return static_cast<int>(mechanisms_.size()); }
   [[nodiscard]] const StepperOptions& options() const { return options_; }
 
-  /// The impulses kept for the next step's warm start: the only memory from step to step. Fixed layout of
-  /// warm_capacity() records; for saving and restoring a simulation.
-  struct Warm {
-    std::uint64_t key = 0;
-    double p[3] = {0, 0, 0};
-  };
-  [[nodiscard]] std::span<const Warm> warm() const { return warm_; }
-  void set_warm(std::span<const Warm> warm) { warm_.assign(warm.begin(), warm.end()); }
+  /// The impulses kept for the next step's warm start: the only memory from step to step, for saving and restoring a simulation.
+  using Warm = contact::Warm;
+  [[nodiscard]] std::span<const Warm> warm() const { return warm_.records(); }
+  void set_warm(std::span<const Warm> warm) { warm_.set(warm); }
 
  private:
-  /// Part of a row that lives on one chain: J on the chain of freedom `last` of a system, times D^-1/2 L^-T.
-  struct Segment {
-    int system, last, offset, length;
-  };
-  enum class RowKind : unsigned char { contact, limit, friction, loop };
-  /// A block of rows solved together: a contact (3), a limit (1), a dry friction (1), a row of a loop (1). Loops come first.
-  struct Block {
-    RowKind kind;
-    int row, rows;
-    int first_segment, segments;  // each segment holds `rows` vectors of its length
-    int contact;                  // index into the step's contacts
-    double mu, bound;
-    std::uint64_t key;
-  };
-
+  void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
-  void add_loop_rows(std::size_t s, const StepSystem& system, double dt);
-  void add_loop_row(std::size_t s, const Loop& loop, int index, int row, double dt);
-  void eliminate_loops();
-  void recover_loops();
-  void close_loops(std::size_t s, StepSystem& system, StepReport& report);
   void add_contact(int index, const collision::ContactPoint& c, double dt);
+  void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
-  int add_segment(std::size_t s, int last, int rows);
-  void finish_rows(Block& block);
-  void build_delassus();
-  void warm_start();
-  void sweep_all(StepReport& report);
-  void apply_impulses();
+  void spread_over_loops(std::size_t s, int last, int rows, const double* row);
+  double* add_side(std::size_t s, int last);
+  void finish_side(std::size_t s, int last, int rows, double* row);
+  void whiten(std::size_t s, int last, std::span<double> y) const;
+  void add_impulses(std::size_t s);
+  void solve_loops(std::size_t s, const StepSystem& system, double dt);
+  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y);
+  void close_loops(std::size_t s, StepSystem& system, StepReport& report);
 
-  std::vector<MechanismPtr> mechanisms_;
-  StepperOptions options_;
-  std::vector<dynamics::Workspace> workspaces_;
   struct SystemScratch {
+    std::vector<double> v;               // [nv] at the start of the step, after impacts
     std::vector<double> extra;           // [nv] implicit damping and stiffness
     std::vector<double> free_v;          // [nv] velocity without impulses
     std::vector<double> root_D_inverse;  // [nv]
@@ -129,32 +115,34 @@ class Stepper {
     std::vector<double> displacement;    // [nv]
     std::vector<int> limited;            // links with a limited freedom
     std::vector<int> rubbed;             // freedoms with dry friction
+    std::vector<char> straight;          // [nv] whose chain is 0, 1, 2 ...
+    double round = 0;                    // m: radius of a free round body
+    bool free_body = false;              // one floating link
     bool springs = false;
     struct Loops {
-      explicit Loops(const Mechanism& m) : links(m), rows(m.loops()), ws(m) {}
+      explicit Loops(const Mechanism& m);
       dynamics::ClosedLinks links;
       dynamics::LoopRows rows;
-      dynamics::Workspace ws;  // of closing positions
+      dynamics::Workspace ws;      // of closing positions
+      std::vector<double> basis;   // [rank * nv] orthonormal: what the loops forbid, whitened; [rows * nv] while it is made
+      std::vector<double> target;  // [rows]
+      std::vector<double> sparse;  // [3 * nv] rows on a chain before they are spread
+      int rank = 0;
     };
     std::unique_ptr<Loops> loops;  // of a mechanism with closed loops
   };
+
+  std::vector<MechanismPtr> mechanisms_;
+  StepperOptions options_;
+  std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
-  std::vector<Segment> segments_;
-  std::vector<double> data_;  // rows of the segments
-  std::vector<Block> blocks_;
-  std::vector<double> target_;    // [rows] u of the free motion minus target
-  std::vector<double> diagonal_;  // [rows] softness
-  std::vector<double> A_;         // [rows * rows] Delassus matrix
-  std::vector<double> p_;         // [rows] impulses
-  int loop_rows_ = 0;             // the first rows
-  std::vector<int> pivots_;       // loop rows in the order of their elimination
-  std::vector<double> loop_L_;    // [pivots * rows] what each of them took with it
-  std::vector<double> loop_t_;    // [pivots]
-  std::vector<char> eliminated_;  // [rows]
-  std::vector<Vec3> point_rows_;
+  VelocitySolver solver_;
+  CollisionImpulse impact_;
+  std::vector<LinkSystem> struck_systems_;
+  std::vector<double> struck_;  // [contacts] N s: normal impulse of the impact phase
+  WarmStart warm_;
   std::vector<Vec3> forces_;
   std::vector<Vec3> frames_;  // [contacts * 3] n, t1, t2
-  std::vector<Warm> warm_;
 };
 
 }  // namespace ugoki::contact

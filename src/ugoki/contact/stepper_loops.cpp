@@ -1,4 +1,7 @@
 // The loops of closed link systems in a step: rows without a sign, eliminated exactly before contacts are solved.
+//
+// Whitened, an impulse of the loops moves w along their rows. With an orthonormal basis Q of these rows the loops ask Q w = c; so
+// w = Q^T c + (1 - Q^T Q) w, and every other row y acts through what is left of it, y (1 - Q^T Q).
 
 #include <algorithm>
 #include <cmath>
@@ -7,31 +10,30 @@
 
 namespace ugoki::contact {
 
-void Stepper::add_loop_rows(std::size_t s, const StepSystem& system, double dt) {
-  SystemScratch& x = scratch_[s];
-  if (!x.loops) return;
-  const std::span<const Loop> loops = mechanisms_[s]->loops();
-  dynamics::update_loop_rows(*mechanisms_[s], workspaces_[s], loops, system.q, system.v, x.loops->rows);
-  for (std::size_t i = 0; i < loops.size(); ++i)
-    for (int k = 0; x.loops->links.is_closed(static_cast<int>(i)) && k < loops[i].rows(); ++k)
-      add_loop_row(s, loops[i], static_cast<int>(i), x.loops->rows.first[i] + k, dt);
+Stepper::SystemScratch::Loops::Loops(const Mechanism& m) : links(m), rows(m.loops()), ws(m) {
+  const auto n = static_cast<std::size_t>(m.nv()), count = static_cast<std::size_t>(rows.count());
+  basis.resize(count * n);
+  target.resize(count);
+  sparse.resize(3 * n);
 }
 
-void Stepper::add_loop_row(std::size_t s, const Loop& loop, int index, int row, double dt) {
+/// One row of a loop, whitened. @return its velocity without impulses
+double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y) {
   const dynamics::Workspace& ws = workspaces_[s];
-  const SystemScratch& x = scratch_[s];
-  Block block{RowKind::loop, static_cast<int>(target_.size()), 1, static_cast<int>(segments_.size()), 0, -1, 0, 0, 0};
+  SystemScratch& x = scratch_[s];
+  std::ranges::fill(y, 0.0);
   double u = 0;
   const auto add = [&](int last, auto&& entry) {
     if (last < 0) return;
-    const int offset = add_segment(s, last, 1);
-    ++block.segments;
     const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
-    for (int k = 0; k <= ws.depth[static_cast<std::size_t>(last)]; ++k) {
-      const double J = entry(chain[k]);
-      data_[static_cast<std::size_t>(offset + k)] = J;
-      u += J * x.free_v[static_cast<std::size_t>(chain[k])];
+    const auto length = static_cast<std::size_t>(ws.depth[static_cast<std::size_t>(last)] + 1);
+    const std::span<double> part(x.loops->sparse.data(), length);
+    for (std::size_t k = 0; k < length; ++k) {
+      part[k] = entry(chain[k]);
+      u += part[k] * x.free_v[static_cast<std::size_t>(chain[k])];
     }
+    whiten(s, last, part);
+    for (std::size_t k = 0; k < length; ++k) y[static_cast<std::size_t>(chain[k])] += part[k];
   };
   if (loop.type == LoopType::gear) {
     const double slope = x.loops->rows.slope[static_cast<std::size_t>(index)];
@@ -43,59 +45,80 @@ void Stepper::add_loop_row(std::size_t s, const Loop& loop, int index, int row, 
     add(last(loop.link_b), [&](int f) { return dot(w, ws.S[static_cast<std::size_t>(f)]); });
     add(last(loop.link_a), [&](int f) { return -dot(w, ws.S[static_cast<std::size_t>(f)]); });
   }
-  if (block.segments == 0) return;  // between the world and what is fixed to it
-  target_.push_back(u + x.loops->rows.gap[static_cast<std::size_t>(row)] / dt);
-  finish_rows(block);
+  return u;
 }
 
-// Right-looking Cholesky over the loop rows alone. Row k of loop_L_ is what pivot k takes from all rows that are left:
-//   A <- A - l l^T,   target <- target - l t
-void Stepper::eliminate_loops() {
-  pivots_.clear();
-  loop_L_.clear();
-  loop_t_.clear();
-  const std::size_t rows = target_.size();
-  const auto loop_rows = static_cast<std::size_t>(loop_rows_);
-  if (loop_rows == 0) return;
-  double greatest = 0;
-  for (std::size_t r = 0; r < loop_rows; ++r) greatest = std::max(greatest, A_[r * rows + r]);
-  std::vector<char>& gone = eliminated_;
-  gone.assign(rows, 0);
-  for (std::size_t k = 0; k < loop_rows; ++k) {
-    std::size_t best = rows;
-    for (std::size_t r = 0; r < loop_rows; ++r)
-      if (!gone[r] && (best == rows || A_[r * rows + r] > A_[best * rows + best])) best = r;
-    const double pivot = A_[best * rows + best];
-    if (!(pivot > dynamics::dependent_correction * 1e-4 * greatest)) break;  // the rest follow from these
-    const double inverse = 1 / std::sqrt(pivot);
-    gone[best] = 1;
-    pivots_.push_back(static_cast<int>(best));
-    const std::size_t at = loop_L_.size();
-    loop_L_.resize(at + rows);
-    double* const l = loop_L_.data() + at;
-    for (std::size_t r = 0; r < rows; ++r) l[r] = gone[r] ? 0 : A_[r * rows + best] * inverse;
-    const double t = target_[best] * inverse;
-    l[best] = 1 / inverse;
-    loop_t_.push_back(t);
-    for (std::size_t r = 0; r < rows; ++r) {
-      if (gone[r]) continue;
-      target_[r] -= l[r] * t;
-      for (std::size_t c = 0; c < rows; ++c) A_[r * rows + c] -= gone[c] ? 0 : l[r] * l[c];
+/// The basis, by Gram-Schmidt with the longest row first, and the velocity without impulses made such that the loops close.
+void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
+  SystemScratch& x = scratch_[s];
+  SystemScratch::Loops& loops = *x.loops;
+  const std::size_t n = x.v.size();
+  const std::span<const Loop> all = mechanisms_[s]->loops();
+  dynamics::update_loop_rows(*mechanisms_[s], workspaces_[s], all, system.q, x.v, loops.rows);
+  std::size_t count = 0;
+  const auto row = [&](std::size_t k) { return std::span(loops.basis).subspan(k * n, n); };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!loops.links.is_closed(static_cast<int>(i))) continue;
+    for (int k = 0; k < all[i].rows(); ++k, ++count) {
+      const int at = loops.rows.first[i] + k;
+      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(count));
+      loops.target[count] = -(u + loops.rows.gap[static_cast<std::size_t>(at)] / dt);
     }
   }
-  // What the sweeps see of the loops: nothing.
-  for (std::size_t r = 0; r < loop_rows; ++r)
-    for (std::size_t c = 0; c < rows; ++c) A_[r * rows + c] = A_[c * rows + r] = 0;
+  const auto product = [&](std::span<const double> a, std::span<const double> b) {
+    double sum = 0;
+    for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
+    return sum;
+  };
+  std::ranges::fill(x.impulse, 0.0);
+  double greatest = 0;
+  std::size_t rank = 0;
+  for (; rank < count; ++rank) {
+    std::size_t best = rank;
+    double most = -1;
+    for (std::size_t k = rank; k < count; ++k)
+      if (const double square = product(row(k), row(k)); square > most) {
+        most = square;
+        best = k;
+      }
+    greatest = std::max(greatest, most);
+    if (!(most > dynamics::dependent_correction * 1e-4 * greatest)) break;  // the rest follow from these
+    std::ranges::swap_ranges(row(rank), row(best));
+    std::swap(loops.target[rank], loops.target[best]);
+    const auto remove = [&](std::size_t from, std::size_t k) {
+      const double part = product(row(k), row(from));
+      for (std::size_t e = 0; e < n; ++e) row(from)[e] -= part * row(k)[e];
+      loops.target[from] -= part * loops.target[k];
+    };
+    for (std::size_t k = 0; k < rank; ++k) remove(rank, k);  // once more: rounding of short rows
+    const double inverse = 1 / std::sqrt(product(row(rank), row(rank)));
+    for (double& e : row(rank)) e *= inverse;
+    loops.target[rank] *= inverse;
+    for (std::size_t k = rank + 1; k < count; ++k) remove(k, rank);
+    for (std::size_t e = 0; e < n; ++e) x.impulse[e] += loops.target[rank] * row(rank)[e];
+  }
+  loops.rank = static_cast<int>(rank);
+  add_impulses(s);
 }
 
-void Stepper::recover_loops() {
-  const std::size_t rows = target_.size();
-  for (std::size_t k = pivots_.size(); k-- > 0;) {
-    const double* const l = loop_L_.data() + k * rows;
-    const auto pivot = static_cast<std::size_t>(pivots_[k]);
-    double sum = loop_t_[k];
-    for (std::size_t r = 0; r < rows; ++r) sum += r == pivot ? 0 : l[r] * p_[r];
-    p_[pivot] = -sum / l[pivot];
+/// The last segment: rows on a chain become rows on all freedoms, without what the loops forbid.
+void Stepper::spread_over_loops(std::size_t s, int last, int rows, const double* row) {
+  const dynamics::Workspace& ws = workspaces_[s];
+  const SystemScratch::Loops& loops = *scratch_[s].loops;
+  const std::size_t n = scratch_[s].v.size();
+  const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
+  const int length = ws.depth[static_cast<std::size_t>(last)] + 1;
+  const std::span<double> all = solver_.last_segment();
+  std::ranges::fill(all, 0.0);
+  for (int r = 0; r < rows; ++r) {
+    const std::span<double> y = all.subspan(static_cast<std::size_t>(r) * n, n);
+    for (int e = 0; e < length; ++e) y[static_cast<std::size_t>(chain[e])] = row[r * length + e];
+    for (std::size_t k = 0; k < static_cast<std::size_t>(loops.rank); ++k) {
+      const double* const q = loops.basis.data() + k * n;
+      double part = 0;
+      for (std::size_t e = 0; e < n; ++e) part += q[e] * y[e];
+      for (std::size_t e = 0; e < n; ++e) y[e] -= part * q[e];
+    }
   }
 }
 

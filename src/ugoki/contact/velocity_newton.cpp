@@ -1,0 +1,370 @@
+// Newton's method on an island's velocities: for fixed p^,
+//   F(w) = w - sum Y^T p(u(w)) = 0,   p = the law's projection of p^ - u / R   (augmented Lagrangian, p^ = the last impulses)
+// where R, a small part of each block's own inverse inertia, only sets how fast p^ converges: at the solution p = p^ it drops out.
+// H = 1 + sum Y^T G Y with G = -dp/du, the coupling of a sliding contact's friction to its normal impulse left out, so that H is
+// symmetric and positive.
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/contact/velocity_solver.h"
+
+namespace ugoki::contact {
+namespace {
+constexpr double first_part = 1e-2, last_part = 1e-6;  // R as part of a block's inverse inertia, from update to update of p^
+constexpr int most_updates = 8;
+}  // namespace
+
+/// Row of the matrix for entry e of a segment: a system's deepest freedoms come first, so that branches do not fill each other.
+int VelocitySolver::place(const RowSegment& x, int e) const {
+  const auto s = static_cast<std::size_t>(x.system);
+  return local_[s] + first_[s + 1] - first_[s] - 1 - (x.index ? x.index[e] : e);
+}
+
+/// Breadth-first order of the island's systems from the one that a first search reached last (Cuthill-McKee), and the envelope.
+/// @return false if a step would cost more than is left of the budget
+bool VelocitySolver::order_systems(const Island& island) {
+  const auto segment = [&](const RowBlock& b, int k) -> const RowSegment& {
+    return segments_[static_cast<std::size_t>(b.first_segment + k)];
+  };
+  const auto block = [&](int i) -> const RowBlock& {
+    return blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+  };
+  const std::span<const int> members =
+      std::span(members_).subspan(static_cast<std::size_t>(island.first_system), static_cast<std::size_t>(island.systems));
+  for (const int s : members) neighbour_first_[static_cast<std::size_t>(s)] = 0;
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = block(i);
+    if (b.segments < 2) continue;
+    ++neighbour_first_[static_cast<std::size_t>(segment(b, 0).system)];
+    ++neighbour_first_[static_cast<std::size_t>(segment(b, 1).system)];
+  }
+  int total = 0;
+  for (const int s : members) {
+    total += neighbour_first_[static_cast<std::size_t>(s)];
+    neighbour_first_[static_cast<std::size_t>(s)] = total;  // the end; filled backwards
+    cursor_[static_cast<std::size_t>(s)] = total;
+  }
+  neighbours_.resize(static_cast<std::size_t>(total));
+  for (int i = island.blocks - 1; i >= 0; --i) {
+    const RowBlock& b = block(i);
+    if (b.segments < 2) continue;
+    const int x = segment(b, 0).system, y = segment(b, 1).system;
+    neighbours_[static_cast<std::size_t>(--neighbour_first_[static_cast<std::size_t>(x)])] = y;
+    neighbours_[static_cast<std::size_t>(--neighbour_first_[static_cast<std::size_t>(y)])] = x;
+  }
+  const auto search = [&](int from) {
+    for (const int s : members) local_[static_cast<std::size_t>(s)] = -1;
+    std::size_t head = 0, tail = 0;
+    queue_[tail++] = from;
+    local_[static_cast<std::size_t>(from)] = 0;
+    while (head < tail) {
+      const auto s = static_cast<std::size_t>(queue_[head++]);
+      for (int k = neighbour_first_[s]; k < cursor_[s]; ++k) {
+        const int next = neighbours_[static_cast<std::size_t>(k)];
+        if (local_[static_cast<std::size_t>(next)] >= 0) continue;
+        local_[static_cast<std::size_t>(next)] = 0;
+        queue_[tail++] = next;
+      }
+    }
+    return queue_[tail - 1];
+  };
+  search(search(members[0]));
+  int n = 0;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const auto s = static_cast<std::size_t>(queue_[k]);
+    local_[s] = n;
+    n += first_[s + 1] - first_[s];
+  }
+  lowest_.resize(static_cast<std::size_t>(n));
+  start_.resize(static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) lowest_[static_cast<std::size_t>(i)] = i;
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = block(i);
+    int low = n;
+    for (int k = 0; k < b.segments; ++k)  // a chain's deepest freedom comes first
+      low = std::min(low, place(segment(b, k), segment(b, k).length - 1));
+    for (int k = 0; k < b.segments; ++k)
+      for (int e = 0; e < segment(b, k).length; ++e) {
+        int& lowest = lowest_[static_cast<std::size_t>(place(segment(b, k), e))];
+        lowest = std::min(lowest, low);
+      }
+  }
+  std::size_t size = 0;
+  double operations = 0;
+  for (std::size_t row = 0; row < lowest_.size(); ++row) {
+    const std::size_t width = row - static_cast<std::size_t>(lowest_[row]) + 1;
+    start_[row] = size;
+    size += width;
+    operations += static_cast<double>(width) * static_cast<double>(width);
+  }
+  cost_ = operations + 300.0 * island.blocks;
+  if (cost_ > budget_) return false;
+  H_.resize(size);
+  F_.resize(static_cast<std::size_t>(n));
+  step_.resize(F_.size());
+  old_w_.resize(F_.size());
+  return true;
+}
+
+/// The impulse that the law gives at velocity u, and G. @return what the block adds to the merit
+double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p, double (*G)[3]) const {
+  const double* hat = hat_.data() + b.row;
+  // |p| <= radius, all directions alike
+  const auto ball = [&](int first, int count, double R, double radius) {
+    double x[3], square = 0;
+    for (int r = 0; r < count; ++r) {
+      x[r] = hat[first + r] - u[first + r] / R;
+      square += x[r] * x[r];
+    }
+    const double size = std::sqrt(square);
+    const bool slides = size > radius;
+    const double scale = slides ? radius / size : 1;
+    for (int r = 0; r < count; ++r) {
+      p[first + r] = x[r] * scale;
+      for (int c = 0; G && c < count; ++c)  // a sliding block does not resist along its slip
+        G[first + r][first + c] = scale / R * ((r == c ? 1.0 : 0.0) - (slides ? x[r] * x[c] / square : 0));
+    }
+    return R * (slides ? radius * (size - 0.5 * radius) : 0.5 * square);
+  };
+  switch (b.kind) {
+    case RowKind::contact: {
+      const double soft = softness_ * b.B[0], R = part_ * b.B[0], Rn = R + soft, Rt = part_ * std::max(b.B[1], b.B[2]);
+      const double xn = R * hat[0] - u[0] - lag_[static_cast<std::size_t>(b.row)];
+      if (G)
+        for (int r = 0; r < 3; ++r) G[r][0] = G[r][1] = G[r][2] = 0;
+      if (b.struck > 0) {  // the cone's tip lies elsewhere: radius of the last impulses
+        p[0] = std::max(0.0, xn / Rn);
+        if (G) G[0][0] = p[0] > 0 ? 1 / Rn : 0;
+        return 0.5 * Rn * p[0] * p[0] + ball(1, 2, Rt, b.mu * (hat[0] + b.struck));
+      }
+      // In the metric of R: projection onto the cone |y_t| <= m y_n
+      const double root_n = std::sqrt(Rn), root_t = std::sqrt(Rt), m = b.mu * root_t / root_n;
+      const double yn = xn / root_n, y1 = (Rt * hat[1] - u[1]) / root_t, y2 = (Rt * hat[2] - u[2]) / root_t;
+      const double yt = std::sqrt(y1 * y1 + y2 * y2);
+      if (yt <= m * yn) {
+        p[0] = yn / root_n;
+        p[1] = y1 / root_t;
+        p[2] = y2 / root_t;
+        if (G) {
+          G[0][0] = 1 / Rn;
+          G[1][1] = G[2][2] = 1 / Rt;
+        }
+        return 0.5 * (yn * yn + yt * yt);
+      }
+      if (m * yt <= -yn) {
+        p[0] = p[1] = p[2] = 0;
+        return 0;
+      }
+      const double share = 1 / (1 + m * m), qn = (yn + m * yt) * share, d1 = y1 / yt, d2 = y2 / yt;
+      p[0] = qn / root_n;
+      p[1] = m * qn * d1 / root_t;
+      p[2] = m * qn * d2 / root_t;
+      if (G) {
+        const double across = m * qn / yt, nt = share * m / (root_n * root_t);
+        G[0][0] = share / Rn;
+        G[0][1] = G[1][0] = nt * d1;
+        G[0][2] = G[2][0] = nt * d2;
+        const double along = share * m * m;
+        G[1][1] = (along * d1 * d1 + across * d2 * d2) / Rt;
+        G[2][2] = (along * d2 * d2 + across * d1 * d1) / Rt;
+        G[1][2] = G[2][1] = (along - across) * d1 * d2 / Rt;
+      }
+      return 0.5 * (1 + m * m) * qn * qn;
+    }
+    case RowKind::limit: {
+      const double R = part_ * b.B[0];
+      p[0] = std::max(0.0, hat[0] - u[0] / R);
+      if (G) G[0][0] = p[0] > 0 ? 1 / R : 0;
+      return 0.5 * R * p[0] * p[0];
+    }
+    case RowKind::friction: return ball(0, 1, part_ * b.B[0], b.bound);
+    case RowKind::roll: {
+      const RowBlock& leader = blocks_[static_cast<std::size_t>(b.leader)];
+      const double normal = hat_[static_cast<std::size_t>(leader.row)];
+      return ball(0, 3, part_ * std::max({b.B[0], b.B[1], b.B[2]}), b.mu * (normal + leader.struck));
+    }
+  }
+  return 0;
+}
+
+/// What is fixed while Newton's method runs: p^, and for sliding contacts mu |u_t|, which makes the symmetric law (its cone
+/// would let them rise) Coulomb's (de Saxce).
+void VelocitySolver::fix_law(const Island& island) {
+  hat_ = p_;
+  lag_.resize(p_.size());
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    if (b.kind != RowKind::contact) continue;
+    const double* p = p_.data() + b.row;
+    double& lag = lag_[static_cast<std::size_t>(b.row)];
+    lag = 0;
+    const double cone = 0.999 * b.mu * p[0];
+    if (b.struck > 0 || p[1] * p[1] + p[2] * p[2] < cone * cone) continue;
+    double u[3];
+    velocities(b, u);
+    lag = b.mu * std::sqrt(u[1] * u[1] + u[2] * u[2]);
+  }
+}
+
+/// H += Y^T G Y of one block, lower triangle.
+void VelocitySolver::add_to_matrix(const RowBlock& b, const double (&G)[3][3]) {
+  const int n = b.rows;
+  for (int sa = 0; sa < b.segments; ++sa) {
+    const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + sa)];
+    for (int sb = 0; sb < b.segments; ++sb) {
+      const RowSegment& y = segments_[static_cast<std::size_t>(b.first_segment + sb)];
+      if (local_[static_cast<std::size_t>(y.system)] > local_[static_cast<std::size_t>(x.system)]) continue;
+      const double* const X = rows_.data() + x.offset;
+      const double* const Y = rows_.data() + y.offset;
+      for (int e = 0; e < x.length; ++e) {
+        double g[3] = {0, 0, 0};
+        for (int c = 0; c < n; ++c)
+          for (int r = 0; r < n; ++r) g[c] += X[r * x.length + e] * G[r][c];
+        const int row = place(x, e);
+        double* const H = H_.data() + start_[static_cast<std::size_t>(row)] - lowest_[static_cast<std::size_t>(row)];
+        if (!y.index && n == 3) {
+          double* const last = H + place(y, 0);  // freedom f stands f places before
+          for (int f = sa == sb ? e : 0; f < y.length; ++f)
+            if (last - f <= H + row) last[-f] += g[0] * Y[f] + g[1] * Y[y.length + f] + g[2] * Y[2 * y.length + f];
+          continue;
+        }
+        for (int f = 0; f < y.length; ++f) {
+          const int column = place(y, f);
+          if (column > row) continue;
+          for (int c = 0; c < n; ++c) H[column] += g[c] * Y[c * y.length + f];
+        }
+      }
+    }
+  }
+}
+
+/// F, and with it H. @return the merit, whose gradient is F: |w|^2 / 2 + what the blocks add
+double VelocitySolver::assemble(const Island& island, bool with_matrix) {
+  for (int k = 0; k < island.systems; ++k) {
+    const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
+    for (int e = first_[s]; e < first_[s + 1]; ++e)
+      F_[static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e)] = w_[static_cast<std::size_t>(e)];
+  }
+  double merit = 0;
+  for (const double w : F_) merit += 0.5 * w * w;
+  if (with_matrix) {
+    std::ranges::fill(H_, 0.0);
+    for (std::size_t i = 0; i < F_.size(); ++i) H_[start_[i] + i - static_cast<std::size_t>(lowest_[i])] = 1;
+  }
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    double u[3], G[3][3];
+    velocities(b, u);
+    double* p = p_.data() + b.row;
+    merit += impulse_of(b, u, p, with_matrix ? G : nullptr);
+    if (with_matrix && G[0][0] + (b.rows == 3 ? G[1][1] + G[2][2] : 0) > 0) add_to_matrix(b, G);
+    for (int s = 0; s < b.segments; ++s) {
+      const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + s)];
+      for (int r = 0; r < b.rows; ++r)
+        for (int e = 0; e < x.length; ++e)
+          F_[static_cast<std::size_t>(place(x, e))] -= rows_[static_cast<std::size_t>(x.offset + r * x.length + e)] * p[r];
+    }
+  }
+  return merit;
+}
+
+/// w from the impulses.
+void VelocitySolver::recompute_w(const Island& island) {
+  for (int k = 0; k < island.systems; ++k) {
+    const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
+    std::fill(w_.begin() + first_[s], w_.begin() + first_[s + 1], 0.0);
+  }
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    apply(b, p_.data() + b.row);
+  }
+}
+
+/// step_ = H^-1 F; H becomes its factor, with inverted diagonal.
+void VelocitySolver::solve_newton() {
+  const std::size_t n = F_.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    double* const row = H_.data() + start_[i];
+    const int low = lowest_[i], last = static_cast<int>(i);
+    for (int j = low; j <= last; ++j) {
+      const double* const other = H_.data() + start_[static_cast<std::size_t>(j)];
+      const int other_low = lowest_[static_cast<std::size_t>(j)];
+      double even = row[j - low], odd = 0;
+      int k = std::max(low, other_low);
+      for (; k + 1 < j; k += 2) {
+        even -= row[k - low] * other[k - other_low];
+        odd -= row[k + 1 - low] * other[k + 1 - other_low];
+      }
+      if (k < j) even -= row[k - low] * other[k - other_low];
+      row[j - low] = j < last ? (even + odd) * other[j - other_low] : 1 / std::sqrt(even + odd);
+    }
+    double x = F_[i];
+    for (int k = low; k < last; ++k) x -= row[k - low] * step_[static_cast<std::size_t>(k)];
+    step_[i] = x * row[last - low];
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    const double* const row = H_.data() + start_[i];
+    const int low = lowest_[i], last = static_cast<int>(i);
+    step_[i] *= row[last - low];
+    for (int k = low; k < last; ++k) step_[static_cast<std::size_t>(k)] -= row[k - low] * step_[i];
+  }
+}
+
+/// Minimises the merit from w on, with p^ and the lags fixed; p becomes the law's. @return steps taken
+int VelocitySolver::minimise(const Island& island) {
+  const int limit = static_cast<int>(std::min(12.0, budget_ / cost_));
+  const auto each_w = [&](auto&& visit) {
+    for (int k = 0; k < island.systems; ++k) {
+      const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
+      for (int e = first_[s]; e < first_[s + 1]; ++e)
+        visit(w_[static_cast<std::size_t>(e)], static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e));
+    }
+  };
+  double merit = assemble(island, true);
+  for (int steps = 1; steps <= limit; ++steps) {
+    budget_ -= cost_;
+    solve_newton();
+    double slope = 0;  // of the merit along the step, negated
+    for (std::size_t i = 0; i < F_.size(); ++i) slope += F_[i] * step_[i];
+    if (!(slope > 1e-26)) return steps;
+    each_w([&](double& w, std::size_t at) { old_w_[at] = w; });
+    double length = 1, next = 0;
+    for (int half = 0; half < 8; ++half, length *= 0.5) {
+      each_w([&](double& w, std::size_t at) { w = old_w_[at] - length * step_[at]; });
+      next = assemble(island, true);
+      if (next <= merit - 1e-4 * length * slope + 1e-14 * merit) break;
+    }
+    merit = next;
+    if (slope < 1e-20 + 1e-24 * merit) return steps;
+  }
+  return limit;
+}
+
+/// Improves p and w. @param change of velocities in the last sweep
+/// @return steps taken. Where they did not lead anywhere better, p and w are as before
+int VelocitySolver::newton(const Island& island, double change, double tolerance) {
+  old_p_ = p_;
+  int steps = 0;
+  part_ = first_part;
+  for (int outer = 0; outer < most_updates && budget_ > cost_; ++outer, part_ = std::max(0.1 * part_, last_part)) {
+    fix_law(island);
+    steps += minimise(island);
+    double moved = 0;  // m/s that the law's p^ is still wrong by
+    for (int i = 0; i < island.blocks; ++i) {
+      const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+      for (int r = 0; r < b.rows; ++r) {
+        const auto at = static_cast<std::size_t>(b.row + r);
+        moved = std::max(moved, part_ * b.B[r] * std::fabs(p_[at] - hat_[at]));
+      }
+    }
+    if (moved < 0.01 * tolerance) break;
+  }
+  recompute_w(island);
+  if (sweep(island, true) < change) return steps;
+  p_ = old_p_;
+  recompute_w(island);
+  return steps;
+}
+
+}  // namespace ugoki::contact

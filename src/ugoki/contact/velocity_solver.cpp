@@ -1,0 +1,349 @@
+#include "ugoki/contact/velocity_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ugoki::contact {
+namespace {
+
+/// y . w for `rows` rows at once, six entries without gaps (a free body).
+inline void add_products_6(const double* y, int rows, const double* w, double* u) {
+  for (int r = 0; r < rows; ++r, y += 6) {
+    const double even = y[0] * w[0] + y[2] * w[2] + y[4] * w[4];
+    const double odd = y[1] * w[1] + y[3] * w[3] + y[5] * w[5];
+    u[r] += even + odd;
+  }
+}
+
+/// Symmetric 3 x 3 times vector, entries 00 11 22 01 02 12.
+inline void multiply(const double* S, const double* x, double* out) {
+  out[0] = S[0] * x[0] + S[3] * x[1] + S[4] * x[2];
+  out[1] = S[3] * x[0] + S[1] * x[1] + S[5] * x[2];
+  out[2] = S[4] * x[0] + S[5] * x[1] + S[2] * x[2];
+}
+
+void invert(const double* S, double* out) {
+  const double small = 1e-12 * (S[0] + S[1] + S[2]);  // rows on a single freedom depend on each other
+  const double a = S[0] + small, b = S[1] + small, c = S[2] + small, d = S[3], e = S[4], f = S[5];
+  const double A = b * c - f * f, D = e * f - d * c, E = d * f - e * b;
+  const double scale = 1 / (a * A + d * D + e * E);
+  out[0] = A * scale;
+  out[1] = (a * c - e * e) * scale;
+  out[2] = (a * b - d * d) * scale;
+  out[3] = D * scale;
+  out[4] = E * scale;
+  out[5] = (d * e - a * f) * scale;
+}
+
+/// Keeps (x, y) within a disk.
+inline void clamp_to_disk(double& x, double& y, double radius) {
+  const double size = std::sqrt(x * x + y * y);
+  if (size <= radius) return;
+  const double scale = radius / size;
+  x *= scale;
+  y *= scale;
+}
+
+/// One contact with everything else fixed: c is its velocity without its own impulse p.
+void solve_contact(const RowBlock& b, const double* c, double* p) {
+  if (b.struck == 0 && c[0] >= 0) {
+    p[0] = p[1] = p[2] = 0;
+    return;
+  }
+  double stick[3];
+  multiply(b.inverse, c, stick);
+  const double cone = b.mu * (b.struck - stick[0]);
+  if (stick[0] <= 0 && stick[1] * stick[1] + stick[2] * stick[2] <= cone * cone) {
+    for (int r = 0; r < 3; ++r) p[r] = -stick[r];
+    return;
+  }
+  const double mean = 0.5 * (b.B[1] + b.B[2]), half = 0.5 * (b.B[1] - b.B[2]);
+  const double step = 1 / (mean + std::sqrt(half * half + b.B[5] * b.B[5]));
+  for (int k = 0; k < 2; ++k) {
+    p[0] = std::max(0.0, -(c[0] + b.B[3] * p[1] + b.B[4] * p[2]) / b.B[0]);
+    const double u1 = c[1] + b.B[3] * p[0] + b.B[1] * p[1] + b.B[5] * p[2];
+    const double u2 = c[2] + b.B[4] * p[0] + b.B[5] * p[1] + b.B[2] * p[2];
+    p[1] -= step * u1;
+    p[2] -= step * u2;
+    clamp_to_disk(p[1], p[2], b.mu * (p[0] + b.struck));
+  }
+}
+
+}  // namespace
+
+void VelocitySolver::set_systems(std::span<const int> first) {
+  first_.assign(first.begin(), first.end());
+  const std::size_t systems = first.size() - 1;
+  w_.assign(static_cast<std::size_t>(first.back()), 0.0);
+  for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
+  neighbour_first_.resize(systems + 2);
+  // Room for what usually comes: a dozen contacts for each system.
+  const std::size_t n = w_.size(), blocks = 64 + 12 * systems + 2 * n;
+  blocks_.reserve(blocks);
+  segments_.reserve(2 * blocks);
+  rows_.reserve(18 * 2 * blocks);
+  order_.reserve(blocks);
+  islands_.reserve(systems);
+  neighbours_.reserve(2 * blocks);
+  for (std::vector<double>* v : {&target_, &p_, &old_p_, &hat_, &lag_}) v->reserve(3 * blocks);
+  for (std::vector<double>* v : {&F_, &step_, &old_w_}) v->reserve(n);
+  lowest_.reserve(n);
+  start_.reserve(n);
+  H_.reserve(std::min<std::size_t>(n * n, 1 << 15));
+}
+
+void VelocitySolver::clear() {
+  blocks_.clear();
+  segments_.clear();
+  rows_.clear();
+  target_.clear();
+  p_.clear();
+  std::ranges::fill(w_, 0.0);
+}
+
+RowBlock& VelocitySolver::begin_block(RowKind kind, std::uint64_t key) {
+  RowBlock& b = blocks_.emplace_back();
+  b = {};
+  b.kind = kind;
+  b.rows = kind == RowKind::contact || kind == RowKind::roll ? 3 : 1;
+  b.row = static_cast<int>(target_.size());
+  b.first_segment = static_cast<int>(segments_.size());
+  b.contact = -1;
+  b.key = key;
+  return b;
+}
+
+std::span<double> VelocitySolver::add_segment(int system, const int* index, int length) {
+  RowBlock& b = blocks_.back();
+  const std::size_t offset = rows_.size(), count = static_cast<std::size_t>(b.rows) * static_cast<std::size_t>(length);
+  segments_.push_back({system, first_[static_cast<std::size_t>(system)], index, length, static_cast<int>(offset)});
+  rows_.resize(offset + count);
+  ++b.segments;
+  return std::span(rows_).subspan(offset, count);
+}
+
+void VelocitySolver::end_block(std::span<const double> target, std::span<const double> warm) {
+  RowBlock& b = blocks_.back();
+  for (std::size_t r = 0; r < static_cast<std::size_t>(b.rows); ++r) {
+    target_.push_back(target[r]);
+    p_.push_back(warm.empty() ? 0 : warm[r]);
+  }
+  constexpr int first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
+  for (int k = 0; k < (b.rows == 3 ? 6 : 1); ++k) {
+    double sum = 0;
+    for (int s = 0; s < b.segments; ++s) {
+      const RowSegment& segment = segments_[static_cast<std::size_t>(b.first_segment + s)];
+      const double* x = rows_.data() + segment.offset + first[k] * segment.length;
+      const double* y = rows_.data() + segment.offset + second[k] * segment.length;
+      for (int e = 0; e < segment.length; ++e) sum += x[e] * y[e];
+    }
+    b.B[k] = sum;
+  }
+  if (b.segments == 2) {  // both sides on one system: the two meet on the freedoms that they share
+    const RowSegment& one = segments_[static_cast<std::size_t>(b.first_segment)];
+    const RowSegment& two = segments_[static_cast<std::size_t>(b.first_segment + 1)];
+    if (one.system == two.system) {
+      const auto freedom = [](const RowSegment& x, int e) { return x.index ? x.index[e] : e; };
+      int common = std::min(one.length, two.length);
+      while (common > 0 && freedom(one, common - 1) != freedom(two, common - 1)) --common;
+      for (int k = 0; k < (b.rows == 3 ? 6 : 1); ++k)
+        for (int e = 0; e < common; ++e)
+          b.B[k] += rows_[static_cast<std::size_t>(one.offset + first[k] * one.length + e)] *
+                        rows_[static_cast<std::size_t>(two.offset + second[k] * two.length + e)] +
+                    rows_[static_cast<std::size_t>(one.offset + second[k] * one.length + e)] *
+                        rows_[static_cast<std::size_t>(two.offset + first[k] * two.length + e)];
+    }
+  }
+}
+
+void VelocitySolver::drop_block() {
+  const RowBlock& b = blocks_.back();
+  if (b.segments > 0) rows_.resize(static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment)].offset));
+  segments_.resize(static_cast<std::size_t>(b.first_segment));
+  blocks_.pop_back();
+}
+
+void VelocitySolver::velocities(const RowBlock& b, double* u) const {
+  for (int r = 0; r < b.rows; ++r) u[r] = target_[static_cast<std::size_t>(b.row + r)];
+  for (int s = 0; s < b.segments; ++s) {
+    const RowSegment& segment = segments_[static_cast<std::size_t>(b.first_segment + s)];
+    const double* y = rows_.data() + segment.offset;
+    const double* w = w_.data() + segment.first;
+    if (!segment.index && segment.length == 6) {
+      add_products_6(y, b.rows, w, u);
+      continue;
+    }
+    for (int r = 0; r < b.rows; ++r, y += segment.length) {
+      double sum = 0;
+      if (segment.index)
+        for (int e = 0; e < segment.length; ++e) sum += y[e] * w[segment.index[e]];
+      else
+        for (int e = 0; e < segment.length; ++e) sum += y[e] * w[e];
+      u[r] += sum;
+    }
+  }
+}
+
+void VelocitySolver::apply(const RowBlock& b, const double* p) {
+  for (int s = 0; s < b.segments; ++s) {
+    const RowSegment& segment = segments_[static_cast<std::size_t>(b.first_segment + s)];
+    const double* y = rows_.data() + segment.offset;
+    double* w = w_.data() + segment.first;
+    if (!segment.index && segment.length == 6 && b.rows == 3) {
+      for (int e = 0; e < 6; ++e) w[e] += y[e] * p[0] + y[6 + e] * p[1] + y[12 + e] * p[2];
+      continue;
+    }
+    for (int r = 0; r < b.rows; ++r, y += segment.length) {
+      if (segment.index)
+        for (int e = 0; e < segment.length; ++e) w[segment.index[e]] += y[e] * p[r];
+      else
+        for (int e = 0; e < segment.length; ++e) w[e] += y[e] * p[r];
+    }
+  }
+}
+
+/// Solves one block with everything else fixed. @return the greatest change of a velocity
+double VelocitySolver::relax(RowBlock& b) {
+  double u[3], next[3], change[3];
+  velocities(b, u);
+  double* p = p_.data() + b.row;
+  switch (b.kind) {
+    case RowKind::contact: {
+      double own[3], c[3];
+      multiply(b.B, p, own);
+      own[0] -= softness_ * b.B[0] * p[0];  // B holds the softness, u does not
+      for (int r = 0; r < 3; ++r) {
+        c[r] = u[r] - own[r];
+        next[r] = p[r];
+      }
+      solve_contact(b, c, next);
+      break;
+    }
+    case RowKind::limit: next[0] = std::max(0.0, p[0] - u[0] / b.B[0]); break;
+    case RowKind::friction: next[0] = std::clamp(p[0] - u[0] / b.B[0], -b.bound, b.bound); break;
+    case RowKind::roll: {
+      const RowBlock& leader = blocks_[static_cast<std::size_t>(b.leader)];
+      const double most = b.mu * (p_[static_cast<std::size_t>(leader.row)] + leader.struck);
+      const double stiff = std::max({b.B[0], b.B[1], b.B[2]});
+      double square = 0;
+      for (int r = 0; r < 3; ++r) {
+        next[r] = p[r] - u[r] / stiff;
+        square += next[r] * next[r];
+      }
+      if (square > most * most) {
+        const double scale = most / std::sqrt(square);
+        for (double& x : next) x *= scale;
+      }
+      break;
+    }
+  }
+  double greatest = 0;
+  bool any = false;
+  for (int r = 0; r < b.rows; ++r) {
+    change[r] = next[r] - p[r];
+    p[r] = next[r];
+    any = any || change[r] != 0;
+    greatest = std::max(greatest, std::fabs(change[r]) * b.B[r]);
+  }
+  if (any) apply(b, change);
+  return greatest;
+}
+
+double VelocitySolver::sweep(const Island& island, bool forward) {
+  double change = 0;
+  for (int i = 0; i < island.blocks; ++i) {
+    const int at = island.first_block + (forward ? i : island.blocks - 1 - i);
+    change = std::max(change, relax(blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(at)])]));
+  }
+  return change;
+}
+
+void VelocitySolver::find_islands() {
+  const std::size_t systems = first_.size() - 1;
+  for (std::size_t s = 0; s < systems; ++s) root_[s] = static_cast<int>(s);
+  const auto find = [&](int s) {
+    while (root_[static_cast<std::size_t>(s)] != s) {
+      int& up = root_[static_cast<std::size_t>(s)];
+      up = root_[static_cast<std::size_t>(up)];
+      s = up;
+    }
+    return s;
+  };
+  for (const RowBlock& b : blocks_) {
+    if (b.segments < 2) continue;
+    const int x = find(segments_[static_cast<std::size_t>(b.first_segment)].system);
+    const int y = find(segments_[static_cast<std::size_t>(b.first_segment + 1)].system);
+    if (x != y) root_[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
+  }
+  // The least system is the root, so that islands come in the order of their first systems.
+  islands_.clear();
+  for (std::size_t s = 0; s < systems; ++s) {
+    const int root = find(static_cast<int>(s));
+    if (root == static_cast<int>(s)) {
+      island_[s] = static_cast<int>(islands_.size());
+      islands_.push_back({0, 0, 0, 0});
+    } else {
+      island_[s] = island_[static_cast<std::size_t>(root)];
+    }
+    ++islands_[static_cast<std::size_t>(island_[s])].systems;
+  }
+  const auto island_of = [&](const RowBlock& b) {
+    return static_cast<std::size_t>(island_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment)].system)]);
+  };
+  for (const RowBlock& b : blocks_) ++islands_[island_of(b)].blocks;
+  int block = 0, member = 0;
+  for (Island& i : islands_) {
+    i.first_block = block;
+    i.first_system = member;
+    block += i.blocks;
+    member += i.systems;
+    i.blocks = i.systems = 0;
+  }
+  order_.resize(blocks_.size());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    Island& i = islands_[island_of(blocks_[b])];
+    order_[static_cast<std::size_t>(i.first_block + i.blocks++)] = static_cast<int>(b);
+  }
+  for (std::size_t s = 0; s < systems; ++s) {
+    Island& i = islands_[static_cast<std::size_t>(island_[s])];
+    members_[static_cast<std::size_t>(i.first_system + i.systems++)] = static_cast<int>(s);
+  }
+}
+
+void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
+  constexpr int patience = 12;  // sweeps before Newton's method is tried, and between tries
+  double change = 0, tolerance = options.tolerance;
+  for (int sweeps = 1;; ++sweeps) {
+    change = sweep(island, (sweeps & 1) != 0);
+    report.sweeps = std::max(report.sweeps, sweeps);
+    if (change < tolerance || sweeps >= options.iterations) break;
+    if (sweeps % patience != 0 || tolerance == options.coarse) continue;
+    if (order_systems(island)) {
+      report.newton_steps += newton(island, change, tolerance);
+    } else {
+      tolerance = options.coarse;
+    }
+  }
+  report.residual = std::max(report.residual, change);
+}
+
+SolverReport VelocitySolver::solve(const SolverOptions& options) {
+  SolverReport report;
+  constexpr double most_operations = 1e6;  // of Newton's method in one step
+  budget_ = most_operations;
+  softness_ = options.softness / (1 + options.softness);
+  for (RowBlock& b : blocks_) {
+    if (b.kind == RowKind::contact) b.B[0] *= 1 + options.softness;
+    if (b.rows == 3) invert(b.B, b.inverse);
+    apply(b, p_.data() + b.row);
+  }
+  find_islands();
+  for (const Island& island : islands_) {
+    if (island.blocks == 0) continue;
+    ++report.islands;
+    solve_island(island, options, report);
+  }
+  return report;
+}
+
+}  // namespace ugoki::contact

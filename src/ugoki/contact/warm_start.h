@@ -1,0 +1,35 @@
+#pragma once
+// Impulses of the last step by the key of their contact.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace ugoki::contact {
+
+struct Warm {
+  std::uint64_t key = 0;
+  double p[3] = {0, 0, 0};  ///< N s
+};
+
+class WarmStart {
+ public:
+  [[nodiscard]] std::span<const Warm> records() const { return records_; }
+  void set(std::span<const Warm> records);
+
+  /// The impulse of `key` in the last step; null: it had none. O(1)
+  [[nodiscard]] const Warm* find(std::uint64_t key) const;
+
+  void reserve(std::size_t records) { records_.reserve(records); }
+  void clear() { records_.clear(); }
+  void add(const Warm& record) { records_.push_back(record); }
+  /// After the last add().
+  void make_index();
+
+ private:
+  std::vector<Warm> records_;
+  std::vector<std::int32_t> slots_;  // open addressing, a power of two; -1: empty
+};
+
+}  // namespace ugoki::contact

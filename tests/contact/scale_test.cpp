@@ -1,0 +1,248 @@
+// Stacks, slopes, unequal masses and heaps: the solver at scale, and the laws of contact checked on its results.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../dynamics/random_mechanism.h"
+#include "allocation_count.h"
+#include "ugoki/base/hash.h"
+#include "world.h"
+
+namespace ugoki::contact {
+namespace {
+
+struct Drift {
+  double across = 0, down = 0;  // m
+};
+Drift drift(const World& w, const std::vector<State>& begin) {
+  Drift d;
+  for (std::size_t s = 0; s < begin.size(); ++s) {
+    d.across = std::max(d.across, std::hypot(w.states[s].q[0] - begin[s].q[0], w.states[s].q[1] - begin[s].q[1]));
+    d.down = std::max(d.down, std::fabs(w.states[s].q[2] - begin[s].q[2]));
+  }
+  return d;
+}
+
+/// Boxes of 0.2 m on each other, each aside by up to `aside`.
+World stack(std::span<const double> densities, double aside) {
+  std::vector<MechanismPtr> boxes;
+  for (const double d : densities) boxes.push_back(body("box", Shape::box({0.1, 0.1, 0.1}), d));
+  World w(boxes, {}, {});
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const auto k = static_cast<double>(i);
+    put(w.states[i], {aside * std::sin(3 * k), aside * std::cos(5 * k), 0.1 + 0.2 * k});
+  }
+  return w;
+}
+
+void stands(World& w, double seconds, double dt = 0.002) {
+  const std::vector<State> begin = w.states;
+  double lowest = 0;
+  for (int i = 0; i < std::lround(seconds / dt); ++i) {
+    const StepReport report = w.step(dt);
+    ASSERT_EQ(report.status, StepStatus::ok);
+    ASSERT_LT(report.residual, 1e-7) << "step " << i;
+    lowest = std::min(lowest, w.lowest());
+  }
+  EXPECT_LT(drift(w, begin).across, 2e-4);
+  EXPECT_LT(drift(w, begin).down, 1e-3);
+  EXPECT_GT(lowest, -1e-3);
+}
+
+const std::vector<double> ten(10, 500.0), heavy_on_light = {100, 100000}, heavy_on_nine = {100, 100, 100, 100, 100,
+                                                                                           100, 100, 100, 100, 1e5};
+
+TEST(Scale, AStackOfTenStands) {
+  for (const double aside : {0.0, 0.02}) {
+    World w = stack(ten, aside);
+    stands(w, 5);
+  }
+}
+TEST(Scale, AThousandTimesHeavierStandsOnLight) {
+  World w = stack(heavy_on_light, 0.01);
+  stands(w, 5);
+  World tower = stack(heavy_on_nine, 0);
+  stands(tower, 1);
+}
+TEST(Slow_Scale, AStackOfTenStandsForAMinute) {
+  for (const double aside : {0.0, 0.02}) {
+    World w = stack(ten, aside);
+    stands(w, 60);
+  }
+  World w = stack(heavy_on_light, 0.01);
+  stands(w, 60);
+}
+
+/// Gravity tilted by an angle is a slope: sliding with g (sin - mu cos), or staying, within 1 %.
+TEST(Scale, SlopesAtOnePercentAroundTheAngleOfFriction) {
+  for (const double mu : {0.2, 0.5, 1.0}) {
+    for (const double part : {0.99, 1.01, 1.5}) {
+      Shape shape = Shape::box({0.2, 0.15, 0.05});
+      shape.friction = mu;
+      const double angle = std::atan(mu * part);
+      StepperOptions options;
+      options.gravity = {9.81 * std::sin(angle) * 0.6, 9.81 * std::sin(angle) * 0.8, -9.81 * std::cos(angle)};
+      World w({body("box", shape, 500)}, {0, mu, 0}, options);
+      w.states[0].q[2] = 0.05;
+      for (int i = 0; i < 1000; ++i) ASSERT_LT(w.step(0.001).residual, 1e-7);
+      const double moved = std::hypot(w.states[0].q[0], w.states[0].q[1]);
+      if (part < 1) {
+        EXPECT_LT(moved, 1e-6) << mu;
+      } else {
+        const double expected = 0.5 * 9.81 * (std::sin(angle) - mu * std::cos(angle));
+        EXPECT_NEAR(moved, expected, 0.01 * expected) << mu << " " << part;
+        EXPECT_NEAR(std::atan2(w.states[0].q[1], w.states[0].q[0]), std::atan2(0.8, 0.6), 1e-4) << "the cone is round";
+      }
+    }
+  }
+}
+
+TEST(Scale, ARollingBallComesToRestWhereItsResistanceSays) {
+  Shape ball = Shape::sphere(0.1);
+  ball.friction = 0.9;
+  StepperOptions options;
+  options.rolling = 0.05;
+  World w({body("ball", ball, 500)}, {}, options);
+  put(w.states[0], {0, 0, 0.1});
+  w.states[0].v[3] = 1;
+  w.states[0].v[1] = 10;  // rolls
+  for (int i = 0; i < 3000; ++i) ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
+  // M = c r N:  deceleration c g / (1 + 2/5)
+  EXPECT_NEAR(w.states[0].q[0], 0.5 / (0.05 * 9.81 / 1.4), 0.01);
+  EXPECT_LT(std::fabs(w.states[0].v[3]), 1e-6);
+}
+
+TEST(Scale, ASpinningBodyKeepsItsEnergyAndMomentum) {
+  StepperOptions options;
+  options.gravity = {};
+  World w({body("plate", Shape::box({0.02, 0.1, 0.3}), 800)}, {-10, 0, 0}, options);
+  State& s = w.states[0];
+  s.v[0] = 1;
+  s.v[1] = 40;  // about the middle axis: it tumbles
+  s.v[2] = 1;
+  const Sym3 I = w.stepper.mechanism(0).link(0).inertia.about_centre();
+  const auto energy = [&] {
+    const Vec3 v{s.v[0], s.v[1], s.v[2]};
+    return 0.5 * dot(v, I * v);
+  };
+  const double before = energy();
+  double least = s.v[1];
+  for (int i = 0; i < 5000; ++i) {
+    ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
+    least = std::min(least, s.v[1]);
+  }
+  EXPECT_LT(least, -35) << "it should have turned over";
+  EXPECT_NEAR(energy(), before, 1e-9 * before);
+}
+
+World heap(int count, unsigned seed) {
+  testing::RandomSource random(seed);
+  std::vector<MechanismPtr> bodies;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 e{random.uniform(0.05, 0.1), random.uniform(0.05, 0.1), random.uniform(0.05, 0.1)};
+    const Shape shape = i % 3 == 0 ? Shape::box(e) : i % 3 == 1 ? Shape::sphere(e.x) : Shape::capsule(0.7 * e.x, {0, 0, -e.y}, {0, 0, e.y});
+    bodies.push_back(body("body", shape, random.uniform(500, 1000)));
+  }
+  World w(bodies, {}, {});
+  for (int i = 0; i < count; ++i) {
+    State& s = w.states[static_cast<std::size_t>(i)];
+    const int k = i % 25;
+    put(s, Vec3{0.36 * (k % 5) - 0.72, 0.36 * (k / 5) - 0.72, 0.2 + 0.36 * (i / 25)} + random.vec(0.01));
+    const Quat turn = exp_map(random.vec(2));
+    s.q[3] = turn.w;
+    s.q[4] = turn.x;
+    s.q[5] = turn.y;
+    s.q[6] = turn.z;
+  }
+  return w;
+}
+
+/// The laws, checked on what a step gives: velocities after it at the contacts before it, and forces.
+void check_laws(World& w, double dt, double tolerance) {
+  std::vector<dynamics::Workspace> before;
+  for (int s = 0; s < w.stepper.system_count(); ++s) before.push_back(w.stepper.workspace(s));
+  for (std::size_t i = 0; i < w.contacts.size(); ++i) {
+    const collision::ContactPoint& c = w.contacts[i];
+    Vec3 u;
+    double inverse_mass = 0;
+    for (int side = 0; side < 2; ++side) {
+      const int at = side == 0 ? c.system_a : c.system_b;
+      if (at < 0) continue;
+      const auto s = static_cast<std::size_t>(at);
+      dynamics::Workspace& ws = before[s];
+      Vec6 V;
+      for (std::size_t k = 0; k < w.states[s].v.size(); ++k) V += ws.S[k] * w.states[s].v[k];
+      u += (V.v + cross(V.w, c.p - ws.p0)) * (side == 0 ? 1.0 : -1.0);
+      inverse_mass += 1 / w.stepper.mechanism(at).mass();
+    }
+    const Vec3 p = w.stepper.contact_forces()[i] * dt;
+    const double pn = dot(p, c.n), un = dot(u, c.n);
+    const Vec3 pt = p - c.n * pn, ut = u - c.n * un;
+    const double wanted =
+        c.distance > 0 ? -c.distance / dt : std::min(-c.distance / w.stepper.options().recovery_time, w.stepper.options().recovery_speed);
+    EXPECT_GE(pn, 0);
+    EXPECT_LE(norm(pt), c.friction * pn * (1 + 1e-9) + 1e-12);
+    if (c.distance < 1e-3) {
+      EXPECT_GT(un - wanted, -tolerance - 1e-3 * pn * inverse_mass) << i;
+      if (pn * inverse_mass > tolerance) EXPECT_LT(un - wanted, tolerance) << i;
+    }
+    if (norm(ut) > 100 * tolerance && pn * inverse_mass > 100 * tolerance) {  // slides: full friction against it
+      EXPECT_NEAR(norm(pt), c.friction * pn, 1e-2 * c.friction * pn + tolerance / inverse_mass) << i;
+      EXPECT_LT(dot(pt, ut), -0.99 * norm(pt) * norm(ut)) << i;
+    }
+  }
+}
+
+TEST(Scale, ContactsObeyTheLawsOfUnilateralContactAndCoulomb) {
+  World w = heap(12, 3);
+  int checked = 0;
+  for (int i = 0; i < 600; ++i) {
+    const StepReport report = w.step(0.002);
+    ASSERT_EQ(report.status, StepStatus::ok);
+    if (report.residual > 1e-7) continue;
+    check_laws(w, 0.002, 1e-4);
+    if (HasFailure()) FAIL() << "step " << i;
+    ++checked;
+  }
+  EXPECT_GT(checked, 500) << "most steps should converge";
+}
+
+void falls_and_rests(int count, double seconds) {
+  World w = heap(count, 1);
+  double lowest = 0, lowest_at_rest = 0, fastest = 0;
+  const int steps = static_cast<int>(std::lround(seconds / 0.002));
+  for (int i = 0; i < steps; ++i) {
+    ASSERT_EQ(w.step(0.002).status, StepStatus::ok);
+    lowest = std::min(lowest, w.lowest());
+    if (i > steps - 250) {
+      lowest_at_rest = std::min(lowest_at_rest, w.lowest());
+      for (const State& s : w.states) fastest = std::max(fastest, norm(Vec3{s.v[3], s.v[4], s.v[5]}));
+    }
+  }
+  EXPECT_GT(lowest_at_rest, -5e-4);
+  EXPECT_GT(lowest, -6e-3) << "in the fall";
+  EXPECT_LT(fastest, 0.05);
+}
+TEST(Slow_Scale, AHeapOfTwoHundredComesToRest) { falls_and_rests(200, 25); }
+
+TEST(Scale, AHeapRepeatsBitByBitAndAllocatesNothing) {
+  const auto run = [](bool count) {
+    World w = heap(40, 5);
+    for (int i = 0; i < 700; ++i) EXPECT_EQ(w.step(0.002).status, StepStatus::ok);
+    const long before = allocations_so_far();
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(w.step(0.002).status, StepStatus::ok);
+    if (count) EXPECT_EQ(allocations_so_far(), before);
+    EXPECT_GT(w.lowest(), -2e-3);
+    Hash64 hash;
+    for (const State& s : w.states) {
+      hash.add(s.q);
+      hash.add(s.v);
+    }
+    return hash.value();
+  };
+  EXPECT_EQ(run(true), run(false));
+}
+
+}  // namespace
+}  // namespace ugoki::contact
