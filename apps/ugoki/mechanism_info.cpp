@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "mesh_info.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/dynamics/loop_diagnosis.h"
 
@@ -87,6 +88,8 @@ Json mechanism_json(const Mechanism& m, const robot_formats::RobotModel* robot) 
   find_weightless(m, findings);
   if (!findings.empty()) json["findings"] = std::move(findings);
   if (robot && !robot->driven.empty()) json["driven"] = robot->driven;
+  if (Json meshes = meshes_json(m, robot); !meshes.is_null()) json["meshes"] = std::move(meshes);
+  if (Json fields = height_fields_json(m); !fields.is_null()) json["height_fields"] = std::move(fields);
   json["links"] = std::move(links);
   return json;
 }

@@ -22,6 +22,10 @@ class PairTable {
     }
     return slot.cache;
   }
+  /// The pairs stay, without what they remembered. O(pairs)
+  void forget() {
+    for (Slot& slot : slots_) slot.cache = {};
+  }
   void clear() {
     slots_.clear();
     used_ = 0;

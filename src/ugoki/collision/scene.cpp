@@ -1,10 +1,10 @@
 #include "ugoki/collision/scene.h"
 
 #include <algorithm>
-#include <atomic>
 #include <utility>
 
 #include "ugoki/base/check.h"
+#include "ugoki/base/hash.h"
 #include "ugoki/collision/distance.h"
 #include "ugoki/mechanism/state.h"
 
@@ -65,8 +65,6 @@ struct Bodies {
 
 Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const SceneOptions& options)
     : systems_(std::move(systems)), ground_(ground), options_(options) {
-  static std::atomic<std::uint64_t> scenes{0};
-  id_ = ++scenes;
   for (std::size_t s = 0; s < systems_.size(); ++s) {
     const Mechanism& m = *systems_[s];
     const Bodies bodies(m);
@@ -98,6 +96,17 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
     }
   }
   first_shape_.push_back(static_cast<int>(shapes_.size()));
+  Hash64 content;
+  for (const SceneShape& s : shapes_) {
+    content.add(static_cast<std::uint64_t>(s.shape.type));
+    content.add(s.support.hull != nullptr ? s.support.hull->hash : 0);
+  }
+  content_ = content.value();
+}
+
+void Workspace::forget() {
+  pairs.forget();
+  std::fill(lowest.begin(), lowest.end(), 0);
 }
 
 Workspace::Workspace(const Scene& scene) : balls(scene.shapes().size()), poses(balls.size()), extents(scene.systems().size()) {}

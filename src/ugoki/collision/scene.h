@@ -50,8 +50,8 @@ class Scene {
   [[nodiscard]] std::span<const ShapePair> self_pairs(int system) const { return self_pairs_[static_cast<std::size_t>(system)]; }
   [[nodiscard]] bool self_collision(int system) const { return self_on_[static_cast<std::size_t>(system)] != 0; }
   void set_self_collision(int system, bool on) { self_on_[static_cast<std::size_t>(system)] = on ? 1 : 0; }
-  /// Another for every scene that was made, the same for its copies.
-  [[nodiscard]] std::uint64_t id() const { return id_; }
+  /// Of the shapes: where it is the same, what a Workspace remembers of pairs fits.
+  [[nodiscard]] std::uint64_t content() const { return content_; }
 
  private:
   std::vector<MechanismPtr> systems_;
@@ -61,7 +61,7 @@ class Scene {
   std::vector<int> first_shape_;                    // [systems + 1]
   std::vector<std::vector<ShapePair>> self_pairs_;  // [systems]
   std::vector<std::uint8_t> self_on_;               // [systems]
-  std::uint64_t id_ = 0;
+  std::uint64_t content_ = 0;
 };
 
 /// Scratch memory of find_contacts; one for each thread. Any scene may use it; it grows to the largest.
@@ -83,6 +83,9 @@ struct Workspace {
 
   Workspace() = default;
   explicit Workspace(const Scene& scene);
+  /// As if nothing had been searched before; keeps its memory. Warm starts change the last bits of distances: who must get the
+  /// same bits after going back in time forgets.
+  void forget();
 };
 
 /// All contact points with a distance below `margin`, in an order that depends only on the scene: ground contacts by

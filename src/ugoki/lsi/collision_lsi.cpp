@@ -23,6 +23,7 @@ std::int32_t step(const Call* call) {
   auto& self = object_of<Collision>(call);
   for (const Character& c : self.world->characters())
     calc_poses(*c.mechanism, q_of(c, circuit::input(call, 0)), self.poses[static_cast<std::size_t>(c.index)]);
+  self.workspace.forget();  // contacts depend on the state alone: the same bits after a restore
   collision::find_contacts(self.scene, self.views, self.margin, self.workspace, self.contacts);
   const std::size_t room = call->out_count[0];
   if (self.contacts.size() > room) {  // the nearest ones, in an order that depends on nothing else

@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "ugoki/base/base64.h"
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::studio {
@@ -15,6 +16,25 @@ using Json = nlohmann::json;
 Json pose_json(const Pose& X) {
   const Quat q = to_quat(X.R);
   return {X.p.x, X.p.y, X.p.z, q.w, q.x, q.y, q.z};
+}
+
+template <class T>
+std::string packed(const std::vector<T>& values) {
+  return to_base64({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
+}
+
+/// Vertices as 32-bit floats x y z, triangles as 32-bit indices, packed.
+Json surface_json(const Geometry& g) {
+  std::vector<float> points;
+  for (const Vec3& p : g.vertices)
+    for (int i = 0; i < 3; ++i) points.push_back(static_cast<float>(p[i]));
+  return {{"vertices", packed(points)}, {"triangles", packed(g.triangles)}};
+}
+
+Json surface_json(const HeightField& f) {
+  const std::vector<float> heights(f.heights.begin(), f.heights.end());
+  return {{"columns", f.columns}, {"rows", f.rows}, {"half_x", f.half_x},
+          {"half_y", f.half_y},   {"base", f.base}, {"heights", packed(heights)}};
 }
 
 std::vector<Pose> neutral_poses(const Mechanism& mechanism) {
@@ -41,7 +61,7 @@ double shown_height(const Mechanism& mechanism) {
 
 std::string mechanism_json(std::string_view id, const Mechanism& mechanism) {
   const std::vector<Pose> X = neutral_poses(mechanism);
-  Json links = Json::array();
+  Json links = Json::array(), surfaces = Json::object();
   for (int i = 0; i < mechanism.link_count(); ++i) {
     const Link& link = mechanism.link(i);
     Json shapes = Json::array();
@@ -52,6 +72,16 @@ std::string mechanism_json(std::string_view id, const Mechanism& mechanism) {
                         {"half_length", s.half_length},
                         {"half_extents", {s.half_extents.x, s.half_extents.y, s.half_extents.z}},
                         {"pose", pose_json(s.X_BS)}});
+      if (s.geometry) {
+        const std::string key = std::to_string(s.geometry->hash);
+        shapes.back()["surface"] = key;
+        if (!surfaces.contains(key)) surfaces[key] = surface_json(*s.geometry);
+      }
+      if (s.field) {
+        const std::string key = std::to_string(s.field->hash);
+        shapes.back()["surface"] = key;
+        if (!surfaces.contains(key)) surfaces[key] = surface_json(*s.field);
+      }
     }
     links.push_back({{"name", link.name},
                      {"label", link.label},
@@ -66,6 +96,7 @@ std::string mechanism_json(std::string_view id, const Mechanism& mechanism) {
               {"freedoms", mechanism.nv()},
               {"mass", mechanism.mass()},
               {"height", shown_height(mechanism)},
+              {"surfaces", std::move(surfaces)},
               {"links", std::move(links)}}
       .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
