@@ -102,8 +102,12 @@ TEST_P(EachWidth, SameAsAllPairsOneByOne) {
     ASSERT_LT(distance_from(placed(c.a, c.A), d.pa), tolerance) << i;
     ASSERT_LT(distance_from(placed(c.b, c.B), d.pb), tolerance) << i;
     ASSERT_NEAR(norm(d.pa - d.pb), d.distance, tolerance);
-    if (d.distance > 0) ASSERT_NEAR(norm(d.n), 1, 1e-14);
-    if (d.distance > 1e-6 * c.scale) ASSERT_NEAR(dot(d.n, d.pa - d.pb), d.distance, tolerance);
+    if (d.distance > 0) {
+      ASSERT_NEAR(norm(d.n), 1, 1e-14);
+    }
+    if (d.distance > 1e-6 * c.scale) {
+      ASSERT_NEAR(dot(d.n, d.pa - d.pb), d.distance, tolerance);
+    }
     ASSERT_EQ(warm, d.nearest);
     (expected > tolerance ? apart : meeting) += 1;
     // Warm from its own answer: the same.

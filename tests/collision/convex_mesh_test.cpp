@@ -71,7 +71,9 @@ TEST(ConvexMesh, SameAsAllTrianglesOneByOne) {
     ASSERT_NEAR(d.distance, expected, tolerance) << "case " << i << ", kind " << static_cast<int>(s.kind);
     ASSERT_LE(d.lower, expected + tolerance);
     ASSERT_GE(d.lower, expected - tolerance);
-    if (d.distance > 0) ASSERT_LT(norm(d.pa - d.pb - d.n * d.distance), tolerance);
+    if (d.distance > 0) {
+      ASSERT_LT(norm(d.pa - d.pb - d.n * d.distance), tolerance);
+    }
     ASSERT_EQ(d.nearest.b, cache.triangle);
     const BubbleDistance warm = find_distance(s, A, tree, B, cache, workspace);
     ASSERT_NEAR(warm.distance, d.distance, tolerance);

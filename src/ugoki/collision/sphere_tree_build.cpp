@@ -248,12 +248,13 @@ class Fit {
     out.radius[lane] = static_cast<float>(std::sqrt(r2) * (1 + 2e-7) + std::numeric_limits<float>::min());
   }
 
+  /// Of the circle through the corners; where the triangle is blunt, its point nearest to that is the middle of the longest side.
   [[nodiscard]] Vec3 circle_middle(std::int32_t t) const {
     const Vec3 a = tree_.corner(t, 0), c = tree_.corner(t, 1) - a, b = tree_.corner(t, 2) - a;  // c: the longest side
     const double cc = dot(c, c), bc = dot(b, c), x = cc > 0 ? bc / cc : 0;
     const Vec3 g = b - c * x;
     const double gg = dot(g, g), height = gg > 0 ? 0.5 * (1 + (x * x - x) * cc / gg) : 0;
-    return a + c * 0.5 + g * std::max(height, 0.0);  // blunt: the middle of the longest side
+    return a + c * 0.5 + g * height;
   }
 
   [[nodiscard]] Vec3 nearest_to(std::int32_t t, const Vec3& p) const {
