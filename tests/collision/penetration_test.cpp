@@ -166,6 +166,51 @@ TEST(Penetration, FlatShapesAndTouchingOnes) {
     }
 }
 
+/// Bodies of 1e-6 ... 1e6 m against each other, thin ones, far away, coincident or aligned: always numbers, always a true bracket.
+TEST(Penetration, AllMagnitudesAndRatios) {
+  test::Random random(27);
+  const std::vector<Hull> some = test::some_hulls(random);
+  std::vector<Hull> hulls;
+  for (const Hull& h : some)
+    for (const double scale : {1e-6, 1e-3, 1.0, 1e3, 1e6}) {
+      std::vector<Vec3> vertices = h.vertices;
+      for (Vec3& v : vertices) v *= scale;
+      Result<Hull> scaled = assemble_hull(vertices, h.first_corner, h.corners);
+      ASSERT_TRUE(scaled.has_value()) << scaled.error().text();
+      hulls.push_back(std::move(*scaled));
+    }
+  const auto draw = [&] {
+    Support s = test::random_support(random, hulls);
+    if (s.kind == SupportKind::hull) return s;
+    const double scale = std::pow(10, random.in(-6, 6));
+    s.radius *= scale;
+    s.size = s.size * scale;
+    if (s.kind == SupportKind::box && random.below(3) == 0) s.size.x *= 1e-6;
+    if (s.kind == SupportKind::cylinder && random.below(3) == 0) s.size.z *= 1e-5;
+    return s;
+  };
+  PenetrationWorkspace workspace;
+  for (int i = 0; i < 8000; ++i) {
+    const Support a = draw(), b = draw();
+    const double size = test::size_of(a) + test::size_of(b);
+    Pose A = random.pose(size), B = random.pose(size);
+    if (i % 3 == 0) B.p += random.unit() * size * std::pow(10, random.in(0, 5));
+    if (i % 5 == 0) B = A;
+    if (i % 7 == 0) B = {A.R, A.p + A.R.column(random.below(3)) * size};
+    GilbertCache cache;
+    const SignedDistance s = signed_distance(a, A, b, B, cache, workspace);
+    ASSERT_TRUE(std::isfinite(s.distance) && is_finite(s.n) && is_finite(s.pa) && is_finite(s.pb)) << i;
+    // Coordinates at a distance are rounded to 2e-16 of it.
+    const double digits = size + 1e-5 * (norm(A.p) + norm(B.p));
+    const double apart = -test::reach(a, A, -s.n) - test::reach(b, B, s.n) - a.radius - b.radius;
+    // Where the search ends open (a needle of 1e-7 of its length), `lower` may come from an earlier direction.
+    const double allowed = s.status == DistanceStatus::not_converged ? 1e-7 : 1e-9;
+    ASSERT_LE(s.lower, apart + allowed * digits) << i;  // a slab as thick as `lower` lies between them, or they come apart so
+    ASSERT_GE(s.upper, s.lower - 1e-12 * digits) << i;
+    if (s.status != DistanceStatus::not_converged) ASSERT_LE(s.upper - s.lower, 1e-9 * digits) << i;
+  }
+}
+
 /// A body that moves by dx cannot change its distance by more: through contact too, warm all the way.
 TEST(Penetration, SignedDistanceIsContinuousThroughContact) {
   test::Random random(24);

@@ -206,7 +206,7 @@ class Search {
     if (out.status != GilbertStatus::beyond)
       out.status = reached - lower <= tolerance ? GilbertStatus::separated : GilbertStatus::not_converged;
     out.distance = reached - radii_;
-    out.lower = lower - radii_;
+    out.lower = std::fmin(lower, reached) - radii_;
     out.n = X_WA_.R * n;
     out.pa = X_WA_ * (on_a - n * a_.s.radius);
     out.pb = out.pa - out.n * out.distance;

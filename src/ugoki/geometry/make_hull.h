@@ -10,7 +10,7 @@ namespace ugoki::geometry {
 
 struct HullOptions {
   /// A hull with more vertices is refused: it would cost minutes and gigabytes.
-  std::size_t most_vertices = 1'000'000;
+  std::size_t most_vertices = 200'000;
 };
 
 /// Convex hull of `points` [m]. Equal points count once; points in a plane give a flat hull, on a line a segment; facets that are
