@@ -119,7 +119,7 @@ void PairFront::reserve(std::size_t bodies) {
 
 void PairFront::scan(const SuperiorTree& tree, double limit) {
   const double* travel = tree.travel();
-  limit += tree.slack();
+  limit = std::min(limit + tree.slack(), std::numeric_limits<double>::max());  // infinite bounds are never touched
   touched_.clear();
   const std::size_t count = entries_.size();
   touched_.resize(count);
@@ -128,8 +128,7 @@ void PairFront::scan(const SuperiorTree& tree, double limit) {
   for (std::size_t i = 0; i < count; ++i) {
     const Entry& e = entries_[i];
     touched_[found] = static_cast<std::uint32_t>(i);
-    const double lower = e.key - travel[e.a] - travel[e.b];
-    found += ((lower <= limit) & (lower < infinity)) ? 1 : 0;
+    found += e.key - travel[e.a] - travel[e.b] <= limit ? 1 : 0;
   }
   touched_.resize(found);
   counts_ = {static_cast<int>(count), static_cast<int>(found), 0};

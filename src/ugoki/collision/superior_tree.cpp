@@ -75,7 +75,7 @@ void SuperiorTree::update(std::span<const Pose> X_WB) {
       continue;
     }
     poses_[i] = X_WB[i];
-    const double away = sum_of_magnitudes(poses_[i].p) + reaches_[i];
+    const double away = sum_of_magnitudes(X_WB[i].p) + reaches_[i];
     const double moved = step_[i] > 0 ? step_[i] + rounding * away : 0;
     const double travel = travel_[i] + moved;
     step_[i] = moved;
