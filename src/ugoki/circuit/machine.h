@@ -107,6 +107,7 @@ struct Interpreter::Machine {
 
   // What costs nothing while it is off.
   bool plain = true;  ///< none of the following
+  bool fast = true;   ///< nothing but a clock and probes at each tick
   Clock clock = nullptr;
   std::vector<Timing> timings;  ///< [lsis], id empty
   std::uint64_t clock_before = 0;
@@ -128,7 +129,8 @@ struct Interpreter::Machine {
   [[nodiscard]] const std::byte* bytes() const { return reinterpret_cast<const std::byte*>(arena.data()); }
   [[nodiscard]] Call& call_at(std::size_t lsi) { return calls[call_of[lsi]]; }
   void initialise();
-  std::uint64_t run_plain(std::uint64_t count);
+  template <bool timed, bool probed>
+  std::uint64_t run_fast(std::uint64_t count);
   bool tick_with_extras();
   bool run_job(const Job& job);
   bool run_all();

@@ -10,6 +10,8 @@
 namespace ugoki::circuit {
 namespace {
 
+constexpr std::size_t few_jobs = 16;  // among more of them, what lies between two ticks is not counted as the first one's
+
 /// Runs one job. @return false if it failed; `finite` tells which way
 inline bool call(const Job& job, bool& finite) {
   if (job.run(job.call) != 0) [[unlikely]]
@@ -97,20 +99,59 @@ inline void Interpreter::Machine::end_tick() {
   tick.time = static_cast<double>(tick.index) * tick.dt;
 }
 
-/// Nothing is probed, timed or stepped: what a circuit usually runs as.
-std::uint64_t Interpreter::Machine::run_plain(std::uint64_t count) {
-  std::uint64_t done = 0, passes = activity->passes;
+/// Ticks with nothing but perhaps a clock and probes: what a circuit usually runs as. All that a call into an LSI could change as far as
+/// the compiler knows is kept in locals, so that a tick of one LSI costs hardly more than the LSI.
+template <bool timed, bool probed>
+std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
+  const std::span<const Job> first(steps), second(advances);
+  std::byte *const seen = bytes() + front.begin, *const written = bytes() + back.begin;
+  const std::size_t delayed_bytes = front.size(), row_count = probes.ticks.size();
+  const double dt = tick.dt;
+  const Clock now = clock;
+  const bool many = first.size() + second.size() > few_jobs;
+  Activity& noted = *activity;
+  std::uint64_t done = 0, passes = noted.passes, index = tick.index, before = timed ? now() : 0;
+  std::size_t row = probes.next;
+  double* to = probed ? probes.rows.data() + row * probes.width : nullptr;
   bool finite = true;
   const Job* failed = nullptr;
+  const auto run_all_of = [&](std::span<const Job> jobs) {
+    if constexpr (timed)
+      return run_timed(jobs, index, noted, finite, now, timings, before);
+    else
+      return run_plainly(jobs, index, noted, finite);
+  };
   for (; done < count; ++done) {
-    __atomic_store_n(&activity->passes, ++passes, __ATOMIC_RELAXED);
-    failed = run_plainly(steps, tick.index, *activity, finite);
-    if (!failed && !advances.empty()) failed = run_plainly(advances, tick.index, *activity, finite);
+    __atomic_store_n(&noted.passes, ++passes, __ATOMIC_RELAXED);
+    failed = run_all_of(first);
+    if (!second.empty() && !failed) failed = run_all_of(second);
     if (failed) [[unlikely]]
       break;
-    end_tick();
+    if constexpr (probed) {
+      probes.ticks[row] = index;
+      for (const ProbeSource& s : probes.sources) {
+        if (s.count == 1) {
+          *to++ = *s.from;
+        } else {
+          std::memcpy(to, s.from, s.count * sizeof(double));
+          to += s.count;
+        }
+      }
+      if (++row == row_count) {
+        row = 0;
+        to = probes.rows.data();
+      }
+    }
+    if (delayed_bytes) std::memcpy(seen, written, delayed_bytes);
+    tick.index = ++index;
+    tick.time = static_cast<double>(index) * dt;
+    if (timed && many) before = now();
   }
-  set_running(*activity, nullptr);
+  set_running(noted, nullptr);
+  if constexpr (probed) {
+    probes.next = row;
+    probes.written += done;
+  }
   if (failed) fail(*failed, !finite);
   return done;
 }
@@ -195,16 +236,19 @@ bool Interpreter::Machine::tick_with_extras() {
 }
 
 void Interpreter::Machine::update_plain() {
-  plain = !clock && !executor && probes.width == 0 && breakpoints.empty() && !log.recording && log.replay.empty() && cursor == 0;
+  fast = !executor && breakpoints.empty() && !log.recording && log.replay.empty() && cursor == 0 && probes.every == 1;
+  plain = fast && !clock && probes.width == 0;
 }
 
 std::uint64_t Interpreter::run(std::uint64_t count) {
-  constexpr std::size_t few_jobs = 16;  // among more of them, what lies between two ticks is not counted as the first one's
   Machine& m = *machine_;
   if (m.is_stopped) [[unlikely]]
     return 0;
   m.reason[0] = '\0';
-  if (m.plain) return m.run_plain(count);
+  if (m.plain) return m.run_fast<false, false>(count);
+  m.breakpoint_hit = -1;
+  if (m.fast && m.probes.width) return m.clock ? m.run_fast<true, true>(count) : m.run_fast<false, true>(count);
+  if (m.fast) return m.run_fast<true, false>(count);
   const bool many = m.steps.size() + m.advances.size() > few_jobs;
   if (m.clock) m.clock_before = m.clock();
   std::uint64_t done = 0;
@@ -230,7 +274,7 @@ bool Interpreter::step_lsi() {
     m.record_inputs();
   }
   while (m.cursor < jobs && !is_due(job_at(m.cursor), m.tick.index)) ++m.cursor;
-  m.plain = false;
+  m.plain = m.fast = false;
   m.reason[0] = '\0';
   if (m.clock) m.clock_before = m.clock();
   if (m.cursor < jobs && !m.run_job(job_at(m.cursor))) return false;
