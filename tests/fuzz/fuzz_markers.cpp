@@ -45,8 +45,7 @@ void fuzz_trc(const std::uint8_t* data, std::size_t size) {
   if (m->positions.size() > 20'000) return;
   const auto back = formats::read_trc(formats::write_trc(*m), "again.trc");
   if (!back) {
-    for (const Problem& p : back.error().problems) UGOKI_CHECK(p.code == ErrorCode::range || p.code == ErrorCode::duplicate);
-    return;
+    return check_error(back.error());  // names that only the writer's plain form makes equal or empty, lengths beyond its digits
   }
   UGOKI_CHECK(back->frames == m->frames && back->marker_count() == m->marker_count());
 }

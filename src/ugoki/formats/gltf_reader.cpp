@@ -86,11 +86,12 @@ class Reader {
     }
     finish_units(out);
     name_motions(out);
+    const auto sane = [](const Vec3& v) { return is_finite(v) && norm(v) <= max_magnitude; };
     for (const MeasuredMotion& m : out)
-      for (const Vec3& t : m.translations)
-        if (!is_finite(t) || norm(t) > max_magnitude)
-          return fail(ErrorCode::range, std::string(name_) + ":nodes", "a joint lies farther than 1e9 m from the origin.",
-                      "Correct the scales of the nodes.");
+      if (!std::all_of(m.translations.begin(), m.translations.end(), sane) ||
+          !std::all_of(m.skeleton.joints.begin(), m.skeleton.joints.end(), [&](const SkeletonJoint& k) { return sane(k.offset); }))
+        return fail(ErrorCode::range, std::string(name_) + ":nodes", "a joint lies farther than 1e9 m from the origin.",
+                    "Correct the scales of the nodes.");
     return out;
   }
 
