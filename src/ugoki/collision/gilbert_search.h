@@ -4,7 +4,6 @@
 // may be merged with one made for others.
 
 #include <cmath>
-#include <type_traits>
 
 #include "ugoki/collision/gilbert.h"
 #include "ugoki/collision/simplex.h"
@@ -26,17 +25,11 @@ struct HullCore {
   static constexpr bool polytope() { return true; }
   [[nodiscard]] SupportPoint support(const Vec3& d, std::int32_t hint) const {
     const std::int32_t v = walk_to_extreme(h, d, hint);
-    return {at(v), v};
-  }
-  /// From the node that the walk reads as well.
-  [[nodiscard]] Vec3 at(std::int32_t v) const {
-    if (h.walk.scanned) return h.vertices[static_cast<std::size_t>(v)];
-    const HullWalk::Node& node = h.walk.nodes[static_cast<std::size_t>(v)];
-    return {node.own[0], node.own[1], node.own[2]};
+    return {h.vertices[static_cast<std::size_t>(v)], v};
   }
   [[nodiscard]] bool corner(std::int32_t v, Vec3& p) const {
     if (static_cast<std::size_t>(v) >= h.vertices.size()) return false;
-    p = at(v);
+    p = h.vertices[static_cast<std::size_t>(v)];
     return true;
   }
   [[nodiscard]] std::int32_t seed(const Vec3& d) const { return seed_vertex(h, d); }
@@ -136,11 +129,6 @@ class Search {
 
  private:
   Corner support(std::int32_t ha, std::int32_t hb) const {
-    if constexpr (std::is_same_v<A, HullCore> && std::is_same_v<B, HullCore>) {
-      walk_both_to_extremes(a_.h, -v_, ha, b_.h, transpose_times(R_, v_), hb);
-      const Vec3 on_a = a_.at(ha);
-      return {on_a - (R_ * b_.at(hb) + p_), on_a, ha, hb};
-    }
     const SupportPoint a = a_.support(-v_, ha), b = b_.support(transpose_times(R_, v_), hb);
     return {a.p - (R_ * b.p + p_), a.p, a.vertex, b.vertex};
   }

@@ -70,27 +70,4 @@ static inline std::int32_t walk_to_extreme(const Hull& hull, const Vec3& d, std:
   }
 }
 
-/// The walks of two hulls, step by step together: the processor waits for neither.
-static inline void walk_both_to_extremes(const Hull& a, const Vec3& da, std::int32_t& va, const Hull& b, const Vec3& db, std::int32_t& vb) {
-  if (a.walk.scanned || b.walk.scanned) {
-    va = walk_to_extreme(a, da, va);
-    vb = walk_to_extreme(b, db, vb);
-    return;
-  }
-  const HullWalk::Node *nodes_a = a.walk.nodes.data(), *nodes_b = b.walk.nodes.data();
-  double fa = nodes_a[va].own[0] * da.x + nodes_a[va].own[1] * da.y + nodes_a[va].own[2] * da.z;
-  double fb = nodes_b[vb].own[0] * db.x + nodes_b[vb].own[1] * db.y + nodes_b[vb].own[2] * db.z;
-  for (;;) {
-    const HullWalk::Node &node_a = nodes_a[va], &node_b = nodes_b[vb];
-    std::int32_t next_a = highest_of(node_a, da, fa, va), next_b = highest_of(node_b, db, fb, vb);
-    if ((node_a.more_count | node_b.more_count) != 0) [[unlikely]] {
-      next_a = highest_of_overflow(a, node_a, da, fa, next_a);
-      next_b = highest_of_overflow(b, node_b, db, fb, next_b);
-    }
-    if (next_a == va && next_b == vb) return;
-    va = next_a;
-    vb = next_b;
-  }
-}
-
 }  // namespace ugoki::collision
