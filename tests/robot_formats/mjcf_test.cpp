@@ -436,6 +436,27 @@ TEST(MjcfMesh, OfFilesAndOfTheModel) {
   EXPECT_TRUE(link(m, "e").shapes.empty()) << "what only looks is left out";
 }
 
+TEST(MjcfShapes, PlanesAndHeightFields) {
+  const RobotModel m = read("<asset><hfield name='hill' nrow='2' ncol='3' size='3 2 0.5 1' elevation='0 4 8  0 0 2'/></asset>" +
+                            world("<geom type='plane' size='0 0 1'/><geom type='plane' size='2 3 1' pos='0 0 0.25' euler='0 30 0'/>"
+                                  "<geom type='hfield' hfield='hill' pos='1 0 0'/>" +
+                                  swing("<geom type='cylinder' size='0.2 0.3'/>", "c")));
+  const std::vector<Shape>& shapes = link(m, "world").shapes;
+  ASSERT_EQ(shapes.size(), 2U) << "the ground belongs to the scene";
+  EXPECT_EQ(shapes[0].type, ShapeType::box);
+  const Pose top = shapes[0].X_BS * Pose{Mat3::identity(), {0, 0, shapes[0].half_extents.z}};
+  EXPECT_NEAR(top.p.z, 0.25, 1e-12);
+  EXPECT_NEAR(top.R.zz, std::cos(pi / 6), 1e-12);
+  ASSERT_EQ(shapes[1].type, ShapeType::height_field);
+  const HeightField& f = *shapes[1].field;
+  EXPECT_EQ(f.columns, 3);
+  EXPECT_EQ(f.rows, 2);
+  EXPECT_EQ(f.base, 1);
+  EXPECT_NEAR(norm(f.point(2, 1) - Vec3{3, 2, 0.5}), 0, 1e-15) << "the first row of the text has the greatest y";
+  EXPECT_NEAR(norm(f.point(1, 1) - Vec3{0, 2, 0.25}), 0, 1e-15);
+  EXPECT_NEAR(f.point(2, 0).z, 0.125, 1e-15);
+}
+
 TEST(MjcfMesh, AbsentOnes) {
   const std::string looks = "<asset><mesh name='m' file='m.stl'/></asset>" +
                             world(swing("<inertial pos='0 0 1' mass='1' diaginertia='1 1 1'/><geom type='mesh' mesh='m'/>"));
@@ -468,8 +489,8 @@ TEST(Mjcf, NotesTellWhatIsLeftOut) {
            "<tendon><spatial/><fixed/></tendon><contact><exclude/></contact><actuator><muscle tendon='t'/></actuator><deformable/>"
            "<keyframe><key qpos='1 2 3 4'/></keyframe>");
   for (const char* part : {"Gravity of the model: 0 0 -981", "Time step", "density, viscosity", "switches gravity off", "<extension>",
-                           "gravcomp", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon", "A fixed tendon",
-                           "<exclude>", "A drive on something else", "<deformable>", "Keyframes are left out"})
+                           "gravcomp", "<flexcomp>", "A plugin", "mocap", "contype", "A spatial tendon", "A fixed tendon", "<exclude>",
+                           "A drive on something else", "<deformable>", "Keyframes are left out"})
     EXPECT_TRUE(has_note(m, part)) << part;
 }
 

@@ -419,6 +419,27 @@ TEST(RobotHostile, MeshFiles) {
   EXPECT_NEAR(box.X_BS.p.x, 2, 1e-12);
 }
 
+TEST(RobotHostile, ColladaFacesArePlacedAndTurned) {
+  const auto dae = [](const std::string& faces, const std::string& placed) {
+    return read_mesh(
+        "<COLLADA><library_geometries><geometry id='g'><mesh><source id='s'><float_array>0 0 0 1 0 0 1 1 0 0 1 0</float_array>"
+        "</source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>" +
+            faces + "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene><node>" + placed +
+            "<instance_geometry url='#g'/></node></visual_scene></library_visual_scenes></COLLADA>",
+        "a.dae");
+  };
+  const std::string inputs = "<input semantic='NORMAL' offset='0'/><input semantic='VERTEX' source='#v' offset='1'/>";
+  using Triangles = std::vector<std::array<int, 3>>;
+  const Triangles quad = {{0, 1, 2}, {0, 2, 3}};
+  EXPECT_EQ(dae("<triangles>" + inputs + "<p>9 0 9 1 9 2 9 0 9 2 9 3</p></triangles>", "").value().triangles, quad);
+  EXPECT_EQ(dae("<polylist>" + inputs + "<vcount>4</vcount><p>9 0 9 1 9 2 9 3</p></polylist>", "").value().triangles, quad);
+  EXPECT_EQ(dae("<polygons>" + inputs + "<p>9 0 9 1 9 2 9 3</p></polygons>", "").value().triangles, quad);
+  EXPECT_EQ(dae("<triangles>" + inputs + "<p>9 0 9 1 9 2</p></triangles>", "<scale>1 1 -1</scale>").value().triangles,
+            (Triangles{{0, 2, 1}}));
+  EXPECT_FALSE(dae("<triangles>" + inputs + "<p>9 0 9 1 9 4</p></triangles>", "").has_value());
+  EXPECT_EQ(dae("<polylist>" + inputs + "<vcount>0 3 0 99</vcount><p>9 0 9 1 9 2 9 3</p></polylist>", "").value().triangles.size(), 1U);
+}
+
 TEST(RobotHostile, ABoxTurnsWithARodThatLiesAcross) {
   std::vector<Vec3> points;
   for (const double s : {-1.0, 1.0})

@@ -159,8 +159,8 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
     work.balls.resize(scene.shapes().size());
     work.poses.resize(scene.shapes().size());
   }
-  if (work.scene != scene.content()) {
-    work.scene = scene.content();
+  if (work.content != scene.content()) {
+    work.content = scene.content();
     work.pairs.clear();
     work.lowest.assign(scene.shapes().size(), 0);
   }

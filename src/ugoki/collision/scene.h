@@ -78,7 +78,7 @@ struct Workspace {
   std::vector<Extent> extents;       ///< [systems] boxes along the world's axes that hold all balls of a system
   PairTable pairs;                   ///< by pair of shapes: where the last search ended
   std::vector<std::int32_t> lowest;  ///< [shapes] vertex of the hull that was nearest to the ground
-  std::uint64_t scene = 0;           ///< to which `pairs` and `lowest` belong
+  std::uint64_t content = 0;         ///< of the scene to which `pairs` and `lowest` belong
   ManifoldWorkspace manifold;
 
   Workspace() = default;
