@@ -93,7 +93,7 @@ bool names_triangles(const TrianglePair& p, const SphereTree& a, const SphereTre
 bool can_be_placed(const Pose& X) {
   double sum = std::fabs(X.p.x) + std::fabs(X.p.y) + std::fabs(X.p.z);
   for (int i = 0; i < 3; ++i) sum += std::fabs(X.R.row(i).x) + std::fabs(X.R.row(i).y) + std::fabs(X.R.row(i).z);
-  return sum < 3 * farthest_pose;  // false for NaN
+  return sum < farthest_pose;  // false for NaN
 }
 
 const BubbleKernel& bubble_kernel() {

@@ -80,6 +80,19 @@ T gap_along(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T*
   return gap;
 }
 
+/// Whether the boxes are farther apart than `limit` along the line of their centres; false where the centres coincide.
+template <class T>
+typename T::Mask beyond_along_centres(const Single& s, const Vec3T<T>& box, const Vec3T<T>* axis, const T* half, T limit) {
+  const Vec3T<T> line = box - spread<T>(s.box);
+  const T length2 = dot(line, line);
+  T reach = sqrt(length2) * limit;  // times the line's length
+  for (int k = 0; k < 3; ++k) {
+    reach += magnitude(dot(line, axis[k])) * half[k];
+    reach += magnitude(dot(line, spread<T>(s.axis[k]))) * T(s.half[k].v);
+  }
+  return length2 > reach;
+}
+
 /// Square of how far the boxes are apart: the greater of two lower bounds, each the distance of one box from the other's
 /// bounding box along the first one's axes.
 template <class T>
@@ -169,7 +182,7 @@ class Search {
         if (strip != 0) {
           const Floats g = box_gap2<Floats>(s, box, axis, half);
           g.store(gap2 + i);
-          strip &= bits(g < Floats(limit2_));
+          strip &= bits(g < Floats(limit2_)) & ~bits(beyond_along_centres<Floats>(s, box, axis, half, Floats(limit_)));
         }
       }
       close |= strip << i;
