@@ -9,7 +9,6 @@ namespace ugoki::collision {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double steps_ahead = 8;  // a bound is asked for that may hold for so many steps
 
 BodyPair ordered(int a, int b) { return a < b ? BodyPair{a, b} : BodyPair{b, a}; }
 
@@ -18,6 +17,11 @@ bool before(const PairFront::Entry& x, const PairFront::Entry& y) { return x.a !
 double size_of(const SuperiorTree::Box& b) {
   const Vec3 d = b.high - b.low;
   return d.x + d.y + d.z;
+}
+
+/// By how much [m] a bound must be above the limit, so that it may hold for the next eight steps, or for ever where nothing moves.
+double lasting(const SuperiorTree& tree, const PairFront::Entry& e) {
+  return 8 * (tree.last_travel(e.a) + tree.last_travel(e.b)) + 4 * tree.slack();
 }
 
 }  // namespace
@@ -223,8 +227,7 @@ void NearestPair::look_into(SuperiorTree& tree, std::size_t index, PairFunction&
     const Entry e = entries_[i];
     const double limit = best_.near.distance;
     if (!leaf(tree, e) || !may_be_within(tree, e, limit)) continue;
-    const double ahead = steps_ahead * (tree.last_travel(e.a) + tree.last_travel(e.b));
-    if (consider(e, measure(tree, i, limit + ahead, distance))) best_entry_ = i;
+    if (consider(e, measure(tree, i, limit + lasting(tree, e), distance))) best_entry_ = i;
   }
 }
 
@@ -262,8 +265,7 @@ void PairsWithin::find(SuperiorTree& tree, double margin, PairFunction& distance
   const double limit = margin + tree.slack();
   const auto ask = [&](std::size_t i, std::vector<NearPair>& found) {
     const Entry& e = entries_[i];
-    const double ahead = steps_ahead * (tree.last_travel(e.a) + tree.last_travel(e.b));
-    const PairDistance d = measure(tree, i, margin + ahead, distance);
+    const PairDistance d = measure(tree, i, margin + lasting(tree, e), distance);
     if (d.exact && d.distance <= margin) found.push_back({{e.a, e.b}, d});
   };
   const std::size_t before_splits = entries_.size();
