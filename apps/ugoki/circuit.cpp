@@ -6,6 +6,7 @@
 #include <cstring>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "output.h"
@@ -17,7 +18,9 @@
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/plugin/guard.h"
 #include "ugoki/plugin/live_library.h"
+#include "ugoki/plugin/osc.h"
 #include "ugoki/plugin/shelf.h"
+#include "ugoki/plugin/thread_pool.h"
 #include "verb.h"
 
 namespace ugoki::cli {
@@ -30,6 +33,7 @@ struct Options {
   std::string shelf, record, replay;
   double dt = 0.001, duration = 1, patience = 3;
   std::uint64_t every = 1;
+  int threads = 1, osc = 0;
   bool timing = false, reload = false, realtime = false, json = false;
 };
 
@@ -124,7 +128,7 @@ Json numbers_json(std::span<const double> x) {
 
 /// Takes over what a rebuilt library brings; what runs goes on where it cannot.
 void reload(Interpreter& interpreter, const circuit::Circuit& circuit, std::shared_ptr<const circuit::Library>& library,
-            plugin::LiveLibrary& live, const circuit::BuildOptions& build, const Options& o) {
+            plugin::LiveLibrary& live, const circuit::BuildOptions& build, const Options& o, plugin::ThreadPool& pool) {
   if (!live.poll()) return;
   for (const std::string& m : live.take_messages()) std::cerr << "ugoki: " << m << '\n';
   std::shared_ptr<const circuit::Library> next = live.library();
@@ -137,10 +141,22 @@ void reload(Interpreter& interpreter, const circuit::Circuit& circuit, std::shar
   for (const auto* sentences : {&report.partly, &report.afresh})
     for (const std::string& s : *sentences) std::cerr << "ugoki: " << s << '\n';
   std::cerr << "ugoki: reloaded at " << to_fixed(interpreter.time(), 3) << " s; " << report.kept << " LSIs keep their state.\n";
+  made->set_executor(&pool);
   interpreter = std::move(*made);
   library = std::move(next);
   if (!o.probes.empty()) (void)interpreter.set_probes(o.probes, 100'000, static_cast<std::uint32_t>(o.every));
   (void)apply_inputs(interpreter, o);
+}
+
+/// Numbers for the LSIs `osc`.
+void receive(plugin::OscReceiver& osc, Interpreter& interpreter) {
+  osc.poll([&](std::string_view address, std::span<const double> numbers) {
+    for (const circuit::DeviceSlot& d : interpreter.devices()) {
+      if (d.device != "osc" || d.address != address) continue;
+      if (d.pin == "value" && !numbers.empty()) d.numbers[0] = numbers[0];
+      if (d.pin == "count") d.numbers[0] += 1;
+    }
+  });
 }
 
 int run_inside(const Options& o) {
@@ -171,12 +187,22 @@ int run_inside(const Options& o) {
   if (o.timing)
     interpreter->set_timing([] { return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count()); });
 
+  plugin::ThreadPool pool(o.threads);
+  interpreter->set_executor(&pool);
+  std::optional<plugin::OscReceiver> osc;
+  if (o.osc > 0) {
+    Result<plugin::OscReceiver> opened = plugin::OscReceiver::open(static_cast<std::uint16_t>(o.osc));
+    if (!opened) return print_error(opened.error(), o.json);
+    osc.emplace(std::move(*opened));
+  }
+
   catch_interrupt();
   const auto ticks = static_cast<std::uint64_t>(std::llround(o.duration / o.dt));
   const auto begin = std::chrono::steady_clock::now();
   auto looked = begin;
   int hit = -1;
   while (interpreter->ticks() < ticks && hit < 0 && !interrupted()) {
+    if (osc) receive(*osc, *interpreter);
     if (!interpreter->tick()) {
       const circuit::Stop& stop = *interpreter->stopped();
       return print_error(
@@ -188,7 +214,7 @@ int run_inside(const Options& o) {
     const auto now = std::chrono::steady_clock::now();
     if (now - looked < std::chrono::milliseconds(100)) continue;
     looked = now;
-    reload(*interpreter, *circuit, library, *live, build, o);
+    reload(*interpreter, *circuit, library, *live, build, o, pool);
   }
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (!o.record.empty())
@@ -327,6 +353,8 @@ void add_circuit_verb(CLI::App& app, Action& action) {
   run->add_option("--break", options->breaks, "Stop where a condition becomes true: \"id.pin > 3\"");
   run->add_option("--record", options->record, "Write all that comes from outside to this file");
   run->add_option("--replay", options->replay, "Give what this file recorded");
+  run->add_option("--threads", options->threads, "Run independent LSIs on so many threads")->check(CLI::Range(1, 64));
+  run->add_option("--osc", options->osc, "Receive OSC on this UDP port of 127.0.0.1, for the LSIs `osc`")->check(CLI::Range(1, 65535));
   run->add_flag("--timing", options->timing, "Measure each LSI");
   run->add_flag("--reload", options->reload, "Take over libraries that are rebuilt while it runs");
   run->add_flag("--realtime", options->realtime, "Not faster than the clock");

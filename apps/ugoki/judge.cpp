@@ -157,7 +157,7 @@ void add_judge_verb(CLI::App& app, Action& action) {
   verb->add_option("--library", options->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   verb->add_flag("--json", options->json, "Print one JSON object");
   verb->footer("Example:\n  ugoki judge walk.bvh\n  ugoki judge park.ugoki --strict");
-  verb->callback([options, &action] { action = [options] { return run_judge(*options); }; });
+  verb->callback([options, &action] { action = [options] { return with_libraries(options->json, [&] { return run_judge(*options); }); }; });
 }
 
 }  // namespace ugoki::cli

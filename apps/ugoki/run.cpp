@@ -210,7 +210,7 @@ void add_run_verb(CLI::App& app, Action& action) {
     options->rate_given = rate->count() > 0;
     if (std::hypot(options->push_direction[0], options->push_direction[1]) < 1e-9)
       throw CLI::ValidationError("--push-direction", "must not be 0,0.");
-    action = [options] { return run_run(*options); };
+    action = [options] { return with_libraries(options->json, [&] { return run_run(*options); }); };
   });
 }
 

@@ -4,9 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <iostream>
+#include <memory>
 
 #include "output.h"
 #include "ugoki/files/files.h"
+#include "ugoki/lsi/standard_library.h"
+#include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/live_library.h"
+#include "ugoki/plugin/shelf.h"
 
 namespace ugoki::cli {
 
@@ -43,7 +49,14 @@ double processor_time() {
 
 Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options) {
   using Clock = std::chrono::steady_clock;
-  Result<content::Player> player = content::Player::open(ugx, name);
+  content::PlayerOptions host;
+  std::unique_ptr<plugin::LiveLibrary> libraries;
+  if (!plugin::read_shelf(plugin::default_shelf()).empty()) {
+    libraries = std::make_unique<plugin::LiveLibrary>(lsi::standard_library(), plugin::default_shelf());
+    for (const std::string& m : libraries->take_messages()) std::cerr << "ugoki: " << m << '\n';
+    host = {.library = libraries->library(), .activity = &plugin::process_activity()};
+  }
+  Result<content::Player> player = content::Player::open(ugx, name, host);
   if (!player) return fail(std::move(player.error()));
   const content::Executable& content = player->content();
   RunReport report;
@@ -92,6 +105,12 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
     if (Result<void> written = files::write_file(options.frames, std::span<const std::byte>(frames)); !written)
       return fail(std::move(written.error()));
   return report;
+}
+
+int with_libraries(bool as_json, const std::function<int()>& work) {
+  if (plugin::read_shelf(plugin::default_shelf()).empty()) return work();
+  const Result<int> done = plugin::run_guarded(work);
+  return done ? *done : print_error(done.error(), as_json);
 }
 
 }  // namespace ugoki::cli

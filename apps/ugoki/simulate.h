@@ -2,6 +2,7 @@
 // Running content to its end, measured: what `run` and `judge` share.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -43,5 +44,9 @@ struct RunOptions {
 
 /// Runs executable data from its beginning, with a progress bar; Ctrl+C ends it without a half-written file.
 [[nodiscard]] Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& name, const RunOptions& options);
+
+/// Does `work`; where libraries of LSIs are installed, which content may use, in a process that they cannot take along.
+/// @return exit status
+int with_libraries(bool as_json, const std::function<int()>& work);
 
 }  // namespace ugoki::cli

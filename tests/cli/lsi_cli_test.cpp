@@ -1,0 +1,135 @@
+// `ugoki lsi` and `ugoki circuit`, as a user meets them.
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "program.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class LsiCliTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "ugoki-lsi-cli-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  Output ugoki(const std::vector<std::string>& arguments) const { return run_program(arguments, {"UGOKI_LSI=" + folder_ + "/shelf"}); }
+  Json json(std::vector<std::string> arguments) const {
+    arguments.emplace_back("--json");
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 0) << o.out << o.err;
+    Json j = Json::parse(o.out, nullptr, false);
+    EXPECT_FALSE(j.is_discarded()) << o.out;
+    return j;
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
+    return folder_ + "/" + name;
+  }
+  void fails(const std::vector<std::string>& arguments, const std::string& part) const {
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 1) << o.out;
+    EXPECT_NE(o.err.find(part), std::string::npos) << o.err;
+  }
+  std::string folder_;
+};
+
+TEST_F(LsiCliTest, ANewLibraryBuildsAndPassesItsTest) {
+  for (const char* language : {"", "--cpp"}) {
+    const std::string path = folder_ + "/spring" + (*language ? "2" : "");
+    std::vector<std::string> arguments = {"lsi", "new", path};
+    if (*language) arguments.emplace_back(language);
+    EXPECT_EQ(ugoki(arguments).status, 0);
+    const Output tested = ugoki({"lsi", "test", path});
+    EXPECT_EQ(tested.status, 0) << tested.err;
+    EXPECT_NE(tested.out.find("passed"), std::string::npos);
+    fails({"lsi", "new", path}, "already");
+  }
+  // The test is one: a fault in the source makes it fail.
+  std::string source;
+  {
+    std::ifstream in(folder_ + "/spring/spring.c");
+    source.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  const auto at = source.find("-stiffness * x");
+  ASSERT_NE(at, std::string::npos);
+  write("spring/spring.c", source.replace(at, 1, "+"));
+  fails({"lsi", "test", folder_ + "/spring"}, "was expected");
+  fails({"lsi", "new", folder_ + "/no name"}, "cannot be the name");
+}
+
+TEST_F(LsiCliTest, ThreeFunctionsAreBuiltInstalledRunAndRemoved) {
+  const std::string source = write("three.c",
+                                   "/// Doubles.\n/// @in x [m]\ndouble twice(double x) { return 2 * x; }\ndouble plus(double a, double b) "
+                                   "{ return a + b; }\nvoid half(double x, double* y) { *y = x / 2; }\n");
+  const Json built = json({"lsi", "build", source});
+  ASSERT_EQ(built["classes"].size(), 3u);
+  EXPECT_EQ(built["classes"][2]["inputs"][0]["unit"], "m");
+  const std::string library = built["output"];
+  const std::string circuit =
+      write("c.json",
+            R"({"version": 1, "name": "t", "lsis": [{"id": "t", "type": "three/twice", "values": {"x": 3}}, {"id": "h", "type": "half"}],
+    "wires": [{"from": "t.out", "to": "h.x"}]})");
+  fails({"circuit", "run", circuit}, "the library is not installed");
+  fails({"lsi", "install", library}, "consent");
+  fails({"lsi", "install", library, "--hash", std::string(64, '0')}, "SHA-256");
+  const Json installed = json({"lsi", "install", library, "--hash", built["sha256"]});
+  EXPECT_EQ(installed["name"], "three");
+  EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 1u);
+  const Json ran = json({"circuit", "run", circuit, "--duration", "0.01", "--dt", "0.001", "--probe", "h.y", "--threads", "2"});
+  EXPECT_EQ(ran["outputs"]["h.y"], 3);
+  EXPECT_EQ(ran["ticks"], 10);
+  EXPECT_EQ(ran["probes"]["values"].size(), 10u);
+  EXPECT_EQ(ugoki({"circuit", "check", circuit}).status, 0);
+  EXPECT_EQ(ugoki({"lsi", "remove", "three"}).status, 0);
+  fails({"circuit", "check", circuit}, "is missing");
+  fails({"lsi", "remove", "three"}, "No library");
+}
+
+TEST_F(LsiCliTest, ACrashAHangAndAWrongInterfaceAreNamed) {
+  const std::string library =
+      json({"lsi", "build",
+            write("bad.c",
+                  "int quotient(int a, int b) { return a / b; }\ndouble slow(double x) { for (;;) __asm__ volatile(\"\"); return x; }\n")})
+          ["output"];
+  const auto circuit = [&](const std::string& type, const std::string& values) {
+    return write("c.json", R"({"version": 1, "name": "t", "lsis": [{"id": "it", "type": ")" + type + R"(", "values": )" + values + "}]}");
+  };
+  fails({"circuit", "run", circuit("bad/quotient", R"({"a": 1, "b": 0})"), "--lsi", library},
+        "'it' (LSI 'bad/quotient' of library 'bad') divided a whole number by zero at 0.000 s (tick 0). Its inputs were 'a' = 1, 'b' = 0.");
+  fails({"circuit", "run", circuit("bad/slow", R"({"x": 1})"), "--lsi", library, "--patience", "0.4"}, "did not come back within 0.4 s");
+  const std::string later = write("later.c",
+                                  "#include <ugoki/lsi.h>\nstatic const ugoki_library l = {sizeof l, 9, \"l\", 0, 0, 0, 0, 0};\nconst "
+                                  "ugoki_library* ugoki_lsi_library(void) { return &l; }\n");
+  fails({"lsi", "build", later}, "version 9 of the interface");
+  fails({"lsi", "build", write("e.c", "double f(double x) {\n  return x +;\n}\n")}, "e.c:2:");
+}
+
+TEST_F(LsiCliTest, RunsStopAtBreakpointsAndAreReplayed) {
+  const std::string circuit = write(
+      "c.json",
+      R"({"version": 1, "name": "t", "inputs": [{"name": "x", "type": "scalar", "to": "i.in"}], "outputs": [{"name": "y", "type": "scalar", "from": "i.out"}],
+    "lsis": [{"id": "i", "type": "integrator"}]})");
+  const Json stopped =
+      json({"circuit", "run", circuit, "--input", "x=2", "--break", "i.out > 1", "--timing", "--record", folder_ + "/r.json"});
+  EXPECT_EQ(stopped["breakpoint"]["condition"], "i.out > 1");
+  EXPECT_NEAR(stopped["time_s"], 0.502, 0.0021);
+  EXPECT_EQ(stopped["timing"].size(), 1u);
+  const Json again = json({"circuit", "run", circuit, "--replay", folder_ + "/r.json", "--duration", stopped["time_s"].dump()});
+  EXPECT_EQ(again["outputs"]["y"], stopped["outputs"]["y"]);
+  fails({"circuit", "run", circuit, "--break", "i.out ~ 3"}, "no condition");
+  fails({"circuit", "run", circuit, "--probe", "i.no"}, "no such output");
+}
+
+}  // namespace
+}  // namespace ugoki::cli
