@@ -6,6 +6,7 @@
 #include "small_world.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/lsi/pull.h"
+#include "ugoki/lsi/touch.h"
 #include "ugoki/lsi/track_sampler.h"
 
 namespace ugoki::lsi {
@@ -41,6 +42,31 @@ TEST(Execution, AFigureStandsAndFollows) {
   for (const ContactRecord& c : records<ContactRecord>(i->find_circuit_output("contacts")->bytes.data()))
     if (c.point.system_a == 0) up += c.force.z;
   EXPECT_NEAR(up, 40 * 9.81, 0.1 * 40 * 9.81);
+}
+
+TEST(Execution, TouchesAreEventsWithNamesAndImpulses) {
+  const SmallWorld world;
+  auto i = world.build();
+  ASSERT_TRUE(i) << i.error().text();
+  std::vector<std::string> journal;
+  double impulse = 0;
+  for (int k = 0; k < 500; ++k) {
+    ASSERT_TRUE(i->tick());
+    const auto touches = i->find_output("dynamics.touches");
+    ASSERT_TRUE(touches);
+    for (const EventRecord& e : records<EventRecord>(touches->bytes.data())) {
+      journal.push_back(describe_touch(*world.world, e));
+      impulse += e.kind == EventKind::touch ? norm(e.b) : 0;
+    }
+  }
+  const auto said = [&](std::string_view text) {
+    return std::ranges::any_of(journal, [&](const std::string& line) { return line.find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(said("foot left of ")) << journal.size();
+  EXPECT_TRUE(said(" touched the ground, "));
+  EXPECT_TRUE(said(" N s"));
+  EXPECT_GT(impulse, 0);
+  EXPECT_LT(journal.size(), 20U) << "standing is one touch";
 }
 
 TEST(Execution, ScheduledPushActsForItsDurationOnly) {

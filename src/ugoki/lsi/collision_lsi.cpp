@@ -1,8 +1,11 @@
 // Collision analysis: contact points of everything with everything.
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
 
 #include "ugoki/collision/scene.h"
+#include "ugoki/contact/swept_contacts.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/mechanism/state.h"
 
@@ -17,7 +20,18 @@ struct Collision {
   std::vector<std::span<const Pose>> views;
   std::vector<collision::ContactPoint> contacts;
   double margin;
+  std::unique_ptr<contact::SweptContacts> swept;
+  std::vector<collision::SystemMotion> motions;
 };
+
+/// Anything that may move farther in a step than half the margin: freedoms of 1 m and of 1 rad alike, links being about 1 m long.
+bool is_fast(const Collision& self, double dt) {
+  const double limit = 0.5 * self.margin / dt;
+  for (const collision::SystemMotion& m : self.motions)
+    for (const double v : m.v)
+      if (std::fabs(v) > limit) return true;
+  return false;
+}
 
 std::int32_t step(const Call* call) {
   auto& self = object_of<Collision>(call);
@@ -25,6 +39,9 @@ std::int32_t step(const Call* call) {
     calc_poses(*c.mechanism, q_of(c, circuit::input(call, 0)), self.poses[static_cast<std::size_t>(c.index)]);
   self.workspace.forget();  // contacts depend on the state alone: the same bits after a restore
   collision::find_contacts(self.scene, self.views, self.margin, self.workspace, self.contacts);
+  for (const Character& who : self.world->characters())
+    self.motions[static_cast<std::size_t>(who.index)] = {q_of(who, circuit::input(call, 0)), v_of(who, circuit::input(call, 0))};
+  if (is_fast(self, call->tick->dt)) self.swept->add(self.motions, self.views, call->tick->dt, self.margin, self.contacts);
   const std::size_t room = call->out_count[0];
   if (self.contacts.size() > room) {  // the nearest ones, in an order that depends on nothing else
     std::sort(self.contacts.begin(), self.contacts.end(),
@@ -41,8 +58,11 @@ void* make(Setup& s) {
   const World* world = world_of(s);
   collision::SceneOptions options;
   options.self_collision = s.boolean("self-collision");
-  auto* self = new Collision{world, collision::Scene(world->mechanisms(), world->ground(), options), {}, {}, {}, {}, s.number("margin")};
+  auto* self =
+      new Collision{world, collision::Scene(world->mechanisms(), world->ground(), options), {}, {}, {}, {}, s.number("margin"), {}, {}};
   self->workspace = collision::Workspace(self->scene);
+  self->swept = std::make_unique<contact::SweptContacts>(self->scene);
+  self->motions.resize(world->characters().size());
   for (const Character& c : world->characters()) self->poses.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
   for (const auto& p : self->poses) self->views.emplace_back(p);
   self->contacts.reserve(2 * std::size_t{world->contact_capacity()});

@@ -3,6 +3,7 @@
 #include "ugoki/contact/stepper.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/lsi/pull.h"
+#include "ugoki/lsi/touch.h"
 
 namespace ugoki::lsi {
 namespace {
@@ -20,18 +21,18 @@ struct Dynamics {
   std::vector<int> torque_wire;                // [characters] -1: none
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
+  contact::ContactEvents touches;
 };
 
-/// The stepper's warm start as plain bytes.
-struct WarmState {
-  std::uint64_t count;
-  Stepper::Warm first;  // more follow
-};
 std::size_t warm_capacity(const World& world) {
   std::size_t n = world.contact_capacity();
   for (const Character& c : world.characters()) n += 3 * static_cast<std::size_t>(c.mechanism->nv());
   return n;
 }
+
+/// The state as plain bytes: the stepper's warm start, then the touches that go on; each a count and records.
+std::size_t touches_at(const World& world) { return sizeof(std::uint64_t) + warm_capacity(world) * sizeof(Stepper::Warm); }
+constexpr std::size_t touch_capacity = 256, touch_events = 64;
 
 void add_wrench(Dynamics& self, const EventRecord& e, const Vec3& p, const Vec3& force) {
   self.external[e.character][static_cast<std::size_t>(e.link)] += Vec6{cross(p, force), force};
@@ -89,6 +90,11 @@ std::int32_t step(const Call* call) {
   const std::span<const Vec3> forces = self.stepper.contact_forces();
   for (std::size_t i = 0; i < found.size(); ++i) out[i] = {found[i].point, forces[i], 0};
   set_count(call->out[1], found.size());
+  std::size_t events = 0;
+  auto* touches = record_room<EventRecord>(call->out[2]);
+  for (const contact::TouchEvent& e : self.touches.update(self.contacts, forces, call->tick->dt))
+    if (events < call->out_count[2]) touches[events++] = record_of(e);
+  set_count(call->out[2], events);
   return 0;
 }
 
@@ -97,7 +103,8 @@ void configure(Setup& s) {
   if (!world) return;
   s.set_out(0, world->state_count());
   s.set_out(1, world->contact_capacity());
-  s.set_state(sizeof(std::uint64_t) + warm_capacity(*world) * sizeof(Stepper::Warm));
+  s.set_out(2, touch_events);
+  s.set_state(touches_at(*world) + sizeof(std::uint64_t) + touch_capacity * sizeof(contact::Touch));
   std::vector<int> wires(world->characters().size(), 0);
   for (std::size_t k = 0; k < s.wires(in_torque); ++k) {
     const circuit::Shape shape = s.in(in_torque, k);
@@ -121,7 +128,7 @@ void* make(Setup& s) {
   options.gravity = world->gravity();
   options.iterations = static_cast<int>(s.number("iterations"));
   options.tolerance = s.number("tolerance");
-  auto* self = new Dynamics{world, Stepper(world->mechanisms(), options), {}, {}, {}, {}, {}, {}};
+  auto* self = new Dynamics{world, Stepper(world->mechanisms(), options), {}, {}, {}, {}, {}, {}, contact::ContactEvents{}};
   for (const Character& c : world->characters()) {
     self->scratch.emplace_back(*c.mechanism);
     self->external.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
@@ -136,13 +143,23 @@ void* make(Setup& s) {
 }
 
 void store(const Call* call) {
-  const std::span<const Stepper::Warm> warm = object_of<Dynamics>(call).stepper.warm();
-  const std::size_t count = std::min(warm.size(), warm_capacity(*object_of<Dynamics>(call).world));
+  const auto& self = object_of<Dynamics>(call);
+  const std::span<const Stepper::Warm> warm = self.stepper.warm();
+  const std::size_t count = std::min(warm.size(), warm_capacity(*self.world));
   set_count(call->state, count);
   if (count) std::memcpy(record_room<Stepper::Warm>(call->state), warm.data(), count * sizeof(Stepper::Warm));
+  auto* const at = static_cast<std::byte*>(call->state) + touches_at(*self.world);
+  const std::span<const contact::Touch> touches = self.touches.touches();
+  const std::size_t going_on = std::min(touches.size(), touch_capacity);
+  set_count(at, going_on);
+  if (going_on) std::memcpy(record_room<contact::Touch>(at), touches.data(), going_on * sizeof(contact::Touch));
 }
 
-void recall(const Call* call) { object_of<Dynamics>(call).stepper.set_warm(records<Stepper::Warm>(call->state)); }
+void recall(const Call* call) {
+  auto& self = object_of<Dynamics>(call);
+  self.stepper.set_warm(records<Stepper::Warm>(call->state));
+  self.touches.set_touches(records<contact::Touch>(static_cast<const std::byte*>(call->state) + touches_at(*self.world)));
+}
 
 }  // namespace
 
@@ -162,7 +179,8 @@ void add_dynamics(circuit::Library& library) {
   c.inputs[in_torque].required = false;
   c.inputs[in_torque].multiple = true;
   c.outputs = {output_pin("next", PinTypeId::state, "", "Positions and velocities one step later."),
-               output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces.")};
+               output_pin("contacts", PinTypeId::contacts, "", "The contact points with their forces."),
+               output_pin("touches", PinTypeId::event, "", "Touches of links that began or ended, with their impulses.")};
   c.parameters = {number_parameter("iterations", usual.iterations, 1, 10000, "", "Greatest number of sweeps over the contacts."),
                   number_parameter("tolerance", usual.tolerance, 1e-15, 1, "m/s", "Sweeps end when no velocity changes more.")};
   c.parameters[0].kind = circuit::ParameterKind::integer;
@@ -171,6 +189,7 @@ void add_dynamics(circuit::Library& library) {
   c.destroy = destroy<Dynamics>;
   c.init = [](const Call* call) -> std::int32_t {
     object_of<Dynamics>(call).stepper.set_warm({});
+    object_of<Dynamics>(call).touches.set_touches({});
     return 0;
   };
   c.step = step;

@@ -85,6 +85,8 @@ void take_live(const Call* call, Lasting& next) {
       case EventKind::drag: next.grab.b = e.b; break;
       case EventKind::release: next.grabbed = 0; break;
       case EventKind::throwing:
+      case EventKind::touch:
+      case EventKind::parting:
       case EventKind::none: break;
     }
   }

@@ -18,7 +18,9 @@ namespace ugoki::lsi {
 ///   drag     b target                                      (live input only)
 ///   release                                                (live input only)
 ///   throwing a position [m], b velocity [m/s], c spin [rad/s] of the root, world
-enum class EventKind : std::uint32_t { none = 0, push = 1, grab = 2, drag = 3, release = 4, throwing = 5 };
+///   touch    a where [m], b impulse of its first step on the link [N s], world; c other character (-1: the ground) and link
+///   parting  a where the touch began, b its whole impulse; c as in touch; `duration` of the touch
+enum class EventKind : std::uint32_t { none = 0, push = 1, grab = 2, drag = 3, release = 4, throwing = 5, touch = 6, parting = 7 };
 
 struct EventRecord {
   EventKind kind = EventKind::none;
