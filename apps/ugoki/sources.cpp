@@ -99,7 +99,7 @@ Result<TargetKind> kind_of(const std::string& target) {
   const std::optional<intake::FileKind> kind = intake::file_kind(target);
   if (!kind)
     return fail(ErrorCode::unsupported, target, "This kind of file is not known.",
-                "Give a .bvh, .amc, .c3d, .trc, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
+                "Give a .bvh, .amc, .c3d, .trc, .gltf, .glb, .json, .urdf, .sdf, .xml, .ugoki or .ugx file.");
   const bool mechanism = *kind == intake::FileKind::mechanism_json || *kind == intake::FileKind::robot;
   return mechanism ? TargetKind::mechanism_file : TargetKind::measured_file;
 }
@@ -116,6 +116,20 @@ Result<intake::Intake> take_in_file(const std::string& path, const SourceOptions
     Result<intake::Intake> taken = intake::take_in(*bytes, path, nullptr, intake_options);
     if (taken && intake_options.robot.loops) taken->report.push_back("Loops are named by " + intake_options.robot.loops->name + ".");
     return taken;
+  }
+  if (kind == intake::FileKind::gltf) {
+    intake::IntakeOptions beside = options.intake;
+    beside.files = [&](std::string_view uri) -> Result<std::vector<std::byte>> {
+      const fs::path relative = fs::path(uri).lexically_normal();
+      if (relative.is_absolute() || relative.begin() == relative.end() || *relative.begin() == "..")
+        return fail(ErrorCode::unsupported, path, "Its buffer '" + std::string(uri) + "' is not below the file's folder.",
+                    "Copy it beside the file.");
+      Result<std::string> text = files::read_file((fs::path(path).parent_path() / relative).string());
+      if (!text) return fail(std::move(text.error()));
+      const auto* p = reinterpret_cast<const std::byte*>(text->data());
+      return std::vector<std::byte>(p, p + text->size());
+    };
+    return intake::take_in(*bytes, path, nullptr, beside);
   }
   if (kind != intake::FileKind::amc) return intake::take_in(*bytes, path, nullptr, options.intake);
   const std::string asf_path = options.asf.empty() ? intake::skeleton_name_for(path) : options.asf;
@@ -136,7 +150,8 @@ Result<ClipSource> load_clip(const std::string& target, const SourceOptions& opt
   if (!kind) return fail(kind.error());
   if (*kind == TargetKind::entry) return clip_of_entry(target, options);
   if (*kind != TargetKind::measured_file)
-    return fail(ErrorCode::unsupported, target, "This is no motion.", "Give a .bvh, .amc, .c3d or .trc file, or a motion of the library.");
+    return fail(ErrorCode::unsupported, target, "This is no motion.",
+                "Give a .bvh, .amc, .c3d, .trc, .gltf or .glb file, or a motion of the library.");
   Result<intake::Intake> taken = take_in_file(target, options);
   if (!taken) return fail(std::move(taken.error()));
   return clip_of(std::move(*taken));

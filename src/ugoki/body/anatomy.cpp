@@ -181,6 +181,7 @@ class Finder {
     if (arm_leaf[0] < 0 || arm_leaf[1] < 0) return "it has no two arms.";
     const int chest = std::min(common_ancestor(arm_leaf[0], head_leaf), common_ancestor(arm_leaf[1], head_leaf));
     if (chest == pelvis) return "its arms hang on its pelvis.";
+    if (common_ancestor(chest, pelvis) != pelvis) return "its legs hang above its arms.";
     for (int side = 0; side < 2; ++side) {
       if (tip(arm_leaf[side]).z < low + 0.15 * extent) return "it stands on four legs.";
       if (const std::string why = find_leg(pelvis, leg_leaf[side], side, extent); !why.empty()) return why;

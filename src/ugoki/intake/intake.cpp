@@ -7,6 +7,7 @@
 #include "ugoki/capture/capture.h"
 #include "ugoki/formats/bvh.h"
 #include "ugoki/formats/c3d.h"
+#include "ugoki/formats/gltf.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/formats/trc.h"
@@ -44,11 +45,60 @@ Json mechanism_summary(const Mechanism& mechanism, const std::string& source) {
   return {{"freedoms", mechanism.nv()}, {"links", mechanism.link_count()}, {"mass", mechanism.mass()}, {"source", source}};
 }
 
-Result<Intake> from_measured(MeasuredMotion measured, formats::ReadNotes notes, std::string_view file_name, const IntakeOptions& options) {
+/// All frames of motions on one skeleton after each other, so that a body made of it can do everything that any of them does.
+MeasuredMotion joined(const std::vector<MeasuredMotion>& motions) {
+  MeasuredMotion whole = motions[0];
+  for (std::size_t i = 1; i < motions.size(); ++i) {
+    const MeasuredMotion& m = motions[i];
+    whole.frames += m.frames;
+    whole.translations.insert(whole.translations.end(), m.translations.begin(), m.translations.end());
+    whole.rotations.insert(whole.rotations.end(), m.rotations.begin(), m.rotations.end());
+    for (std::size_t j = 0; j < m.skeleton.joints.size(); ++j)
+      whole.skeleton.joints[j].translates = whole.skeleton.joints[j].translates || m.skeleton.joints[j].translates;
+  }
+  return whole;
+}
+
+/// Items of one motion on a body whose mechanism is `mechanism_id` in the library.
+Result<std::vector<store::LibraryItem>> motion_items(const MeasuredMotion& measured, const body::Body& body,
+                                                     const std::string& mechanism_id, const std::string& source,
+                                                     const IntakeOptions& options, Motion& motion) {
+  motion = body::to_motion(body, measured);
+  motion.name = measured.name;
+  motion.source = source;
+  motion.mechanism = body.mechanism->name();
+  if (Error wrong = check_motion(motion, *body.mechanism); !wrong.empty()) return fail(std::move(wrong));
+  store::LibraryItem measured_item{store::EntryKind::measured, measured.name, {}, options.tags, formats::write_measured_motion(measured)};
+  measured_item.summary = text_of({{"frames", measured.frames},
+                                   {"joints", measured.joint_count()},
+                                   {"rate", measured.rate},
+                                   {"duration", measured.duration()},
+                                   {"source", source}});
+  store::LibraryItem motion_item{store::EntryKind::motion, measured.name, {}, options.tags, formats::write_motion(motion)};
+  motion_item.summary = text_of({{"mechanism", mechanism_id},
+                                 {"measured", store::entry_id(store::EntryKind::measured, measured_item.data)},
+                                 {"frames", motion.frames},
+                                 {"joints", measured.joint_count()},
+                                 {"rate", motion.rate},
+                                 {"duration", motion.duration()},
+                                 {"cyclic", motion.cyclic},
+                                 {"freedoms", body.mechanism->nv()},
+                                 {"mass", body.mass},
+                                 {"height", body.height},
+                                 {"source", source}});
+  return std::vector<store::LibraryItem>{std::move(measured_item), std::move(motion_item)};
+}
+
+/// @param motions at least one, all on the same skeleton
+Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
+                             const IntakeOptions& options) {
   Intake out;
   out.source = std::string(base_name(file_name));
-  if (!options.name.empty()) measured.name = options.name;
-  if (measured.name.empty()) measured.name = out.source;
+  for (MeasuredMotion& m : motions) {
+    if (!options.name.empty()) m.name = motions.size() == 1 ? options.name : options.name + " " + m.name;
+    if (m.name.empty()) m.name = out.source;
+  }
+  const std::string name = motions.size() == 1 ? motions[0].name : options.name.empty() ? stem_of(file_name) : options.name;
   out.metres_per_unit = notes.metres_per_unit;
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
@@ -56,54 +106,44 @@ Result<Intake> from_measured(MeasuredMotion measured, formats::ReadNotes notes, 
   body::BodyOptions body_options;
   body_options.height = options.height;
   body_options.mass = options.mass;
-  Result<body::Body> body = body::make_body(measured, body_options);
+  Result<body::Body> body =
+      motions.size() == 1 ? body::make_body(motions[0], body_options) : body::make_body(joined(motions), body_options);
   if (!body) {
     for (Problem& p : body.error().problems)
       if (!p.place.starts_with(file_name)) p.place = std::string(file_name) + (p.place.empty() ? "" : ", " + p.place);
     return fail(std::move(body.error()));
   }
-  Result<MechanismPtr> mechanism = renamed(*body->mechanism, measured.name);
+  Result<MechanismPtr> mechanism = renamed(*body->mechanism, name);
   if (!mechanism) return fail(std::move(mechanism.error()));
   body->mechanism = *mechanism;
   out.report.insert(out.report.end(), body->report.begin(), body->report.end());
-  Motion motion = body::to_motion(*body, measured);
-  motion.name = measured.name;
-  motion.source = out.source;
-  motion.mechanism = body->mechanism->name();
-  if (Error wrong = check_motion(motion, *body->mechanism); !wrong.empty()) return fail(std::move(wrong));
+  if (motions.size() > 1) out.report.push_back("The file holds " + std::to_string(motions.size()) + " motions of one skeleton.");
 
   store::LibraryItem mechanism_item{
-      store::EntryKind::mechanism, measured.name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
+      store::EntryKind::mechanism, name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
   Json summary = mechanism_summary(*body->mechanism, out.source);
   summary["height"] = body->height;
   summary["human"] = body->human;
   mechanism_item.summary = text_of(summary);
-
-  store::LibraryItem measured_item{store::EntryKind::measured, measured.name, {}, options.tags, formats::write_measured_motion(measured)};
-  measured_item.summary = text_of({{"frames", measured.frames},
-                                   {"joints", measured.joint_count()},
-                                   {"rate", measured.rate},
-                                   {"duration", measured.duration()},
-                                   {"source", out.source}});
-
-  store::LibraryItem motion_item{store::EntryKind::motion, measured.name, {}, options.tags, formats::write_motion(motion)};
-  motion_item.summary = text_of({{"mechanism", store::entry_id(store::EntryKind::mechanism, mechanism_item.data)},
-                                 {"measured", store::entry_id(store::EntryKind::measured, measured_item.data)},
-                                 {"frames", motion.frames},
-                                 {"joints", measured.joint_count()},
-                                 {"rate", motion.rate},
-                                 {"duration", motion.duration()},
-                                 {"cyclic", motion.cyclic},
-                                 {"freedoms", body->mechanism->nv()},
-                                 {"mass", body->mass},
-                                 {"height", body->height},
-                                 {"source", out.source}});
-  out.items = {std::move(mechanism_item), std::move(measured_item), std::move(motion_item)};
+  const std::string mechanism_id = store::entry_id(store::EntryKind::mechanism, mechanism_item.data);
+  out.items = {std::move(mechanism_item)};
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    Motion motion;
+    auto items = motion_items(motions[i], *body, mechanism_id, out.source, options, motion);
+    if (!items) return fail(std::move(items.error()));
+    for (store::LibraryItem& item : *items) out.items.push_back(std::move(item));
+    if (i == 0) out.motion = std::move(motion);
+  }
   out.mechanism = body->mechanism;
-  out.measured = std::move(measured);
+  out.measured = std::move(motions[0]);
   out.body = std::move(*body);
-  out.motion = std::move(motion);
   return out;
+}
+
+Result<Intake> from_measured(MeasuredMotion motion, formats::ReadNotes notes, std::string_view file_name, const IntakeOptions& options) {
+  std::vector<MeasuredMotion> motions;
+  motions.push_back(std::move(motion));
+  return from_measured(std::move(motions), std::move(notes), file_name, options);
 }
 
 /// A recording of markers: solved first. What was done and how well it fits is reported.
@@ -165,6 +205,7 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "asf") return FileKind::asf;
   if (ending == "c3d") return FileKind::c3d;
   if (ending == "trc") return FileKind::trc;
+  if (ending == "gltf" || ending == "glb") return FileKind::gltf;
   if (ending == "json") return FileKind::mechanism_json;
   if (ending == "urdf" || ending == "sdf" || ending == "xml") return FileKind::robot;
   return std::nullopt;
@@ -181,7 +222,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
   const std::string place(file_name);
   if (!kind)
     return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
-                "Give a .bvh, .amc (with its .asf), .c3d, .trc, mechanism .json, .urdf, .sdf or MJCF .xml file.");
+                "Give a .bvh, .amc (with its .asf), .c3d, .trc, .gltf, .glb, mechanism .json, .urdf, .sdf or MJCF .xml file.");
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {
@@ -209,6 +250,13 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     case FileKind::trc: {
       Result<MarkerMotion> markers = formats::read_trc(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
       return from_markers(std::move(markers), std::move(notes), file_name, options);
+    }
+    case FileKind::gltf: {
+      const std::span raw(bytes.data(), bytes.size());
+      Result<std::vector<MeasuredMotion>> motions =
+          formats::read_gltf(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit, .files = options.files}, &notes);
+      if (!motions) return fail(std::move(motions.error()));
+      return from_measured(std::move(*motions), std::move(notes), file_name, options);
     }
     case FileKind::asf:
       return fail(ErrorCode::structure, place, "An ASF file holds a skeleton without motion.", "Import an AMC file that belongs to it.");

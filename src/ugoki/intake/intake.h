@@ -9,6 +9,7 @@
 #include "ugoki/base/result.h"
 #include "ugoki/body/body.h"
 #include "ugoki/formats/asf.h"
+#include "ugoki/formats/gltf.h"
 #include "ugoki/motion/motion.h"
 #include "ugoki/motion/skeleton.h"
 #include "ugoki/robot_formats/robot_model.h"
@@ -23,15 +24,16 @@ struct IntakeOptions {
   double mass = 0;                    ///< kg, of the person; 0: estimated
   double unit = 0;                    ///< m per unit of length of the file; 0: guessed (BVH) or as the format says (ASF)
   double rate = 120;                  ///< frames a second of AMC files, which do not tell
+  formats::GltfFiles files;           ///< buffers beside a .gltf file; null: they are refused
   robot_formats::RobotOptions robot;  ///< URDF, SDF, MJCF
 };
 
 /// A file, taken in but not yet stored.
 struct Intake {
   std::string source;                              ///< the file's name
-  std::optional<MeasuredMotion> measured;          ///< BVH, AMC, C3D, TRC
-  std::optional<body::Body> body;                  ///< BVH, AMC, C3D, TRC
-  std::optional<Motion> motion;                    ///< BVH, AMC, C3D, TRC
+  std::optional<MeasuredMotion> measured;          ///< BVH, AMC, C3D, TRC, glTF (the first of several)
+  std::optional<body::Body> body;                  ///< BVH, AMC, C3D, TRC, glTF (the first of several)
+  std::optional<Motion> motion;                    ///< BVH, AMC, C3D, TRC, glTF (the first of several)
   std::optional<robot_formats::RobotModel> robot;  ///< URDF, SDF, MJCF
   MechanismPtr mechanism;                          ///< the body's, or the file's
   double metres_per_unit = 0;                      ///< unit of length that was used; 0: the file has none
@@ -41,7 +43,7 @@ struct Intake {
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;
 };
 
-enum class FileKind { bvh, amc, asf, c3d, trc, mechanism_json, robot };
+enum class FileKind { bvh, amc, asf, c3d, trc, gltf, mechanism_json, robot };
 /// By the ending of the name, in any case.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 

@@ -52,7 +52,7 @@ export function LibraryPanel(): ReactElement {
           type="file"
           hidden
           multiple
-          accept=".bvh,.asf,.amc,.json"
+          accept=".bvh,.asf,.amc,.c3d,.trc,.glb,.gltf,.json,.urdf,.sdf,.xml"
           onChange={(e) => {
             void session.import_files([...(e.target.files ?? [])]);
             e.target.value = '';
