@@ -48,7 +48,7 @@ TEST(Recordings, KeyPointsOfARatBecomeABodyThatMoves) {
   ASSERT_TRUE(intake.has_value()) << intake.error().text();
   ASSERT_TRUE(intake->body && intake->motion);
   EXPECT_FALSE(intake->body->human);
-  EXPECT_GT(intake->body->mass, 0.05);
+  EXPECT_GT(intake->body->mass, 0.01);
   EXPECT_LT(intake->body->mass, 2);
   EXPECT_EQ(intake->motion->frames, 1000);
 }
