@@ -39,8 +39,7 @@ class RandomCommands {
                        : R"({"type": "event.remove", "id": ")" + s.events[pick(s.events.size())].id + "\"}";
       default:
         return pick(2) ? R"({"type": "scenario.set", "duration": )" + number(1, 30) + R"(, "look": {"light": )" + number(0, 2.1) + "}}"
-                       : R"({"type": "circuit.set", "circuit": )" +
-                             std::string(pick(2) ? "null" : R"({"b": [1, 2, {"x": )" + number(0, 1) + R"(}], "a": 1})") + "}";
+                       : circuit_command();
     }
   }
 
@@ -48,6 +47,13 @@ class RandomCommands {
 
  private:
   std::string number(double low, double high) { return std::to_string(low + (high - low) * static_cast<double>(pick(10'000)) / 9'999); }
+  std::string circuit_command() {
+    if (pick(4) == 0) return R"({"type": "circuit.set", "circuit": null})";
+    const std::string lsi =
+        R"({"id": "c)" + std::to_string(pick(3)) + R"(", "type": "constant", "parameters": {"value": )" + number(0, 1) + "}}";
+    if (pick(3) == 0) return R"({"type": "circuit.set", "circuit": {"version": 1, "name": "mine", "lsis": [)" + lsi + "]}}";
+    return R"({"type": "circuit.edit", "changes": [{"list": "lsis", "put": )" + lsi + "}]}";
+  }
   std::string any_character(const Scenario& s) { return s.characters.empty() ? "none" : s.characters[pick(s.characters.size())].id; }
   std::string command_on(const Scenario& s, const std::string& type, const std::string& more) {
     if (s.characters.empty() || s.characters[0].track.empty()) return R"({"type": "clip.remove", "character": "human", "id": "none"})";

@@ -12,6 +12,7 @@
 #include "../content/fixture.h"
 #include "client.h"
 #include "fake_simulation.h"
+#include "page.h"
 #include "ugoki/content/display_frame.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
@@ -22,64 +23,9 @@ namespace {
 
 using nlohmann::json;
 using test::Frame;
+using test::Page;
 using test::Reply;
 using test::request;
-
-/// A page that talks to the studio.
-class Page {
- public:
-  Page(std::uint16_t port, const std::string& token) : socket_(port, "/ws?token=" + token) {
-    EXPECT_EQ(socket_.status(), 101);
-    socket_.on_frame = [this](const std::string& bytes) {
-      frames.push_back(test::parse_frame(std::as_bytes(std::span(bytes.data(), bytes.size()))));
-      EXPECT_TRUE(frames.back().good);
-    };
-    socket_.on_text = [this](const std::string& text) {
-      json message = json::parse(text);
-      if (message.contains("event")) events.push_back(std::move(message));
-    };
-  }
-  /// Sends a request and waits for its reply; events and frames that come before it are kept.
-  json ask(json message) {
-    message["id"] = ++last_;
-    socket_.send_text(message.dump());
-    return reply(last_);
-  }
-  json reply(const json& id) {
-    const auto text = socket_.receive_text([&](const std::string& t) {
-      const json j = json::parse(t);
-      return j.contains("reply") && j["reply"] == id;
-    });
-    return text ? json::parse(*text) : json();
-  }
-  /// The next event of this name that `fits`, from now on.
-  json event(const std::string& name, const std::function<bool(const json&)>& fits = [](const json&) { return true; }) {
-    const auto text = socket_.receive_text([&](const std::string& t) {
-      const json j = json::parse(t);
-      return j.contains("event") && j["event"] == name && fits(j);
-    });
-    return text ? json::parse(*text) : json();
-  }
-  /// Reads until one of the frames since the last frames.clear() `fits`.
-  bool frame(const std::function<bool(const Frame&)>& fits) {
-    for (int i = 0; i < 10'000; ++i) {
-      if (std::ranges::any_of(frames, fits)) return true;
-      const auto message = socket_.receive(20);
-      if (!message) return false;
-      if (message->opcode == 2) socket_.on_frame(message->data);
-      if (message->opcode == 1) socket_.on_text(message->data);
-    }
-    return false;
-  }
-  test::WebSocket& socket() { return socket_; }
-
-  std::vector<Frame> frames;
-  std::vector<json> events;
-
- private:
-  test::WebSocket socket_;
-  int last_ = 0;
-};
 
 class StudioTest : public testing::Test {
  protected:

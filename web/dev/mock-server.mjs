@@ -5,6 +5,7 @@ import { createServer } from 'node:http';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { WebSocketServer } from 'ws';
+import { apply_circuit_edit, execution, lsis, many_lsis, values_event } from './mock-circuit.mjs';
 import { bodies, mechanism_json, place } from './mock-figures.mjs';
 
 const dist = fileURLToPath(new URL('../dist/', import.meta.url));
@@ -39,10 +40,9 @@ let doc = {
   ],
   camera: { follow: 'human', distance: 5.6, azimuth: 0.75, elevation: 0.2 }, look: { light: 0.9, floor: '#2a2c31' }, circuit: null,
 };
-const circuit = {
-  lsis: [['event', 'EventTrack'], ['retrieve', 'MotionRetrieval'], ['interpolate', 'Interpolation'], ['blend', 'Blending'], ['control', 'MotionControl'], ['collide', 'CollisionAnalysis'], ['force', 'CollisionForce'], ['dynamics', 'ForwardDynamics'], ['integrate', 'MotionIntegration'], ['display', 'Display']].map(([id, type]) => ({ id, type, name: id })),
-  wires: [['event.time', 'retrieve.time'], ['retrieve.clip_motion', 'interpolate.motion'], ['interpolate.motion', 'blend.motion'], ['blend.motion', 'control.reference'], ['integrate.state', 'control.state'], ['integrate.state', 'collide.state'], ['collide.contacts', 'force.contacts'], ['control.torques', 'dynamics.tau'], ['force.wrench', 'dynamics.wrench'], ['event.event', 'dynamics.push_event'], ['dynamics.joints_acceleration', 'integrate.acceleration'], ['integrate.state', 'display.state'], ['force.contacts', 'display.contacts']].map(([from, to]) => ({ from, to })),
-};
+// UGOKI_MOCK_LSIS=n: a circuit of n LSIs instead, to see how the editor bears it
+const many = Number(process.env.UGOKI_MOCK_LSIS ?? 0);
+const circuit = many > 0 ? many_lsis(many) : execution();
 
 let revision = 1;
 let unsaved = false;
@@ -50,12 +50,13 @@ let choices = {};
 const past = [];
 const future = [];
 let transport = { mode: 'edit', playing: false, speed: 1, time: 0, simulated: 0 };
+let watched = null;
 let grab = null;
 let pulled = 0;
 const clients = new Set();
 
 const refuse = (message, remedy, place = '') => ({ error: { problems: [{ code: 'refused', place, message, remedy }] } });
-const label_of = (c) => (c.type === 'group' ? c.label : { 'clip.set': 'Change clip', 'clip.add': 'Add clip', 'clip.remove': 'Delete clip', 'clip.split': 'Split clip', 'event.set': 'Change event' }[c.type] ?? c.type);
+const label_of = (c) => (c.type === 'group' || c.type === 'circuit.edit' ? c.label : { 'clip.set': 'Change clip', 'clip.add': 'Add clip', 'clip.remove': 'Delete clip', 'clip.split': 'Split clip', 'event.set': 'Change event' }[c.type] ?? c.type);
 
 function apply(d, c) {
   const out = structuredClone(d);
@@ -86,6 +87,8 @@ function apply(d, c) {
   else if (type === 'event.set') Object.assign(out.events.find((e) => e.id === c.id), c.event);
   else if (type === 'event.remove') out.events = out.events.filter((e) => e.id !== c.id);
   else if (type === 'scenario.set') Object.assign(out, fields);
+  else if (type === 'circuit.set') out.circuit = c.circuit;
+  else if (type === 'circuit.edit') out.circuit = apply_circuit_edit(out.circuit ?? circuit, c.changes);
   else if (type === 'group') return c.commands.reduce(apply, out);
   else throw refuse(`The command “${type}” is not known.`, 'Update the page.', 'type');
   for (const x of out.characters) x.track.sort((a, b) => a.start - b.start);
@@ -94,7 +97,7 @@ function apply(d, c) {
 
 const body_of = (c) => bodies.find((b) => b.id === c.mechanism);
 const document_state = () => ({
-  document: doc, revision, can_undo: past.length > 0, can_redo: future.length > 0, undo_label: past.at(-1)?.label ?? '', redo_label: future.at(-1)?.label ?? '',
+  document: doc, ...(doc.circuit ? {} : { generated_circuit: circuit }), revision, can_undo: past.length > 0, can_redo: future.length > 0, undo_label: past.at(-1)?.label ?? '', redo_label: future.at(-1)?.label ?? '',
   characters: doc.characters.map((c) => ({ id: c.id, name: c.name, mechanism: c.mechanism, links: body_of(c).links.length })),
 });
 const transport_state = () => ({ ...transport, duration: doc.duration, steps_per_s: 19000, realtime_factor: 38, status: 'ok' });
@@ -184,7 +187,7 @@ function summary() {
 }
 
 const operations = {
-  hello: () => ({ project: { path: 'park.ugoki', name: 'park.ugoki', unsaved }, ...document_state(), transport: transport_state(), choices, circuit }),
+  hello: () => ({ project: { path: 'park.ugoki', name: 'park.ugoki', unsaved }, ...document_state(), transport: transport_state(), choices, circuit_problems: [], lsis }),
   command: ({ command }) => { const next = apply(doc, command); past.push({ doc, label: label_of(command) }); future.length = 0; doc = next; changed(); },
   undo: () => { const p = past.pop(); if (!p) throw refuse('There is nothing to undo.', ''); future.push({ doc, label: p.label }); doc = p.doc; changed(); },
   redo: () => { const p = future.pop(); if (!p) throw refuse('There is nothing to redo.', ''); past.push({ doc, label: p.label }); doc = p.doc; changed(); },
@@ -200,6 +203,7 @@ const operations = {
   drag: ({ target }) => { if (grab) grab.target = target; },
   release: () => { grab = null; },
   push: () => undefined,
+  watch: (request) => { watched = request; broadcast(values_event(watched, transport.time)); },
 };
 
 const server = createServer(async (request, response) => {
@@ -245,6 +249,7 @@ setInterval(() => {
   if (transport.time >= doc.duration) { transport.time = doc.duration; transport.playing = false; tell_transport(); }
   if (transport.mode === 'simulate') transport.simulated = Math.max(transport.simulated, transport.time);
   send_frame();
+  if (watched && ticks % 4 === 0) broadcast(values_event(watched, transport.time));
   if (++ticks % 30 === 0) tell_transport();
   if (ticks % 20 === 0 && transport.mode === 'simulate') summary();
 }, 1000 / 60);

@@ -4,6 +4,7 @@ import { mkdirSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import assert from 'node:assert/strict';
 import { ready } from './browser.mjs';
+import { circuit_journeys } from './circuit.mjs';
 import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -433,6 +434,7 @@ export const journeys = [
       assert.equal(await shake_hands(service.address, `/ws?token=${token}`, { Host: 'evil.example:80' }), 403);
     },
   },
+  ...circuit_journeys,
   {
     name: 'nothing went wrong in the page meanwhile',
     async run({ seen }) {

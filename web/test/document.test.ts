@@ -1,6 +1,5 @@
 import { describe, expect, it } from 'vitest';
 import { apply_command, blend_spans, content_end, find_character, find_clip, track_end } from '../src/core/document';
-import { lay_out_circuit, pin_hue } from '../src/core/circuit_layout';
 import { valid_selection } from '../src/core/state';
 import { sample_document } from './sample';
 
@@ -52,22 +51,5 @@ describe('reading a document', () => {
     expect(valid_selection({ kind: 'clip', character: 'human', clip: 'gone' }, doc)).toEqual({ kind: 'character', character: 'human' });
     expect(valid_selection({ kind: 'event', event: 'gone' }, doc)).toEqual({ kind: 'none' });
     expect(valid_selection({ kind: 'clip', character: 'human', clip: 'k1' }, doc).kind).toBe('clip');
-  });
-});
-
-describe('the circuit as a diagram', () => {
-  const layout = lay_out_circuit({
-    lsis: [{ id: 'a', type: 'A' }, { id: 'b', type: 'B' }, { id: 'c', type: 'C' }],
-    wires: [{ from: 'a.state', to: 'b.state' }, { from: ['b', 'contacts'], to: ['c', 'contacts'] }, { from: 'c.out', to: 'a.in' }, { from: 'x.y', to: 'a.in' }],
-  });
-  it('runs from left to right even around a loop', () => {
-    const x = Object.fromEntries(layout.boxes.map((b) => [b.id, b.x]));
-    expect(new Set(Object.values(x)).size).toBe(3);
-    expect(layout.wires.length).toBe(3);
-  });
-  it('colours pins by what they carry', () => {
-    expect(pin_hue('contacts')).toBe('contacts');
-    expect(pin_hue('joint torques')).toBe('joints');
-    expect(pin_hue('whatever')).toBe('any');
   });
 });

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "ugoki/base/number.h"
+#include "ugoki/content/circuit_edit.h"
+#include "ugoki/content/default_circuit.h"
 #include "ugoki/content/scenario_json.h"
 
 namespace ugoki::content {
@@ -31,7 +33,7 @@ class Work {
       std::string_view type;
       std::string (Work::*run)(Fields&);
     };
-    static constexpr std::array<Kind, 13> kinds = {{{"clip.add", &Work::clip_add},
+    static constexpr std::array<Kind, 14> kinds = {{{"clip.add", &Work::clip_add},
                                                     {"clip.set", &Work::clip_set},
                                                     {"clip.remove", &Work::clip_remove},
                                                     {"clip.split", &Work::clip_split},
@@ -43,6 +45,7 @@ class Work {
                                                     {"event.remove", &Work::event_remove},
                                                     {"scenario.set", &Work::scenario_set},
                                                     {"circuit.set", &Work::circuit_set},
+                                                    {"circuit.edit", &Work::circuit_edit},
                                                     {"group", &Work::group}}};
     for (const Kind& kind : kinds) {
       if (kind.type != type) continue;
@@ -281,7 +284,31 @@ class Work {
   std::string circuit_set(Fields& f) {
     f.require("circuit", "a circuit, or null for the default one");
     read_circuit_field(f, document());
+    if (const Json* circuit = f.find("circuit"); circuit && circuit->is_object()) check_form(*circuit);
     return document().circuit.empty() ? "Use default circuit" : "Change circuit";
+  }
+
+  /// Changes the stored circuit item by item; a document without one gets the default circuit first.
+  std::string circuit_edit(Fields& f) {
+    std::string label = "Change circuit";
+    f.text("label", label);
+    f.require("changes", "a list of changes");
+    const Json* changes = f.find("changes");
+    if (!changes || !problems_.empty()) return {};
+    const std::string text = document().circuit.empty() ? default_circuit(document()) : document().circuit;
+    Result<Json> circuit = parse_json(text, "circuit", max_command_size);
+    if (!circuit) {
+      for (Problem& p : circuit.error().problems) problems_.problems.push_back(std::move(p));
+      return {};
+    }
+    apply_circuit_changes(*circuit, *changes, f.path("changes"), problems_);
+    if (problems_.empty()) check_form(*circuit);
+    if (problems_.empty()) document().circuit = to_text(*circuit);
+    return label.empty() ? "Change circuit" : label.substr(0, 200);
+  }
+
+  void check_form(const Json& circuit) {
+    for (Problem& p : check_circuit_form(circuit).problems) problems_.problems.push_back(std::move(p));
   }
 
   std::string group(Fields& f) {

@@ -68,7 +68,9 @@ Result<void> Interpreter::load(std::span<const std::byte> executable) {
   const double pace = realtime_factor();
   const bool was_playing = playing_;
 
+  watch_.attach(nullptr);
   simulation_ = std::move(*opened);
+  watch_.attach(simulation_->circuit());
   begin_recording();
   for (const LiveInput& input : inputs) recording_->add_input(input);
   shown_ = std::clamp(shown_, 0.0, simulation_->duration());
@@ -183,6 +185,7 @@ Result<void> Interpreter::restart() {
   goal_ = Goal::none;
   recording_->truncate(0);
   if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
+  watch_.changed();
   next_input_ = 0;
   blown_up_ = false;
   shown_ = 0;
@@ -192,6 +195,27 @@ Result<void> Interpreter::restart() {
   report_transport();
   report_summary();
   return {};
+}
+
+std::vector<std::string> Interpreter::change_library() {
+  if (!simulation_) return {"The installed LSIs changed."};
+  Result<std::vector<std::string>> told = simulation_->change_library();
+  if (!told) return {"The installed LSIs changed and no longer fit the content, which goes on with the old ones. " + told.error().text()};
+  if (blown_up_) {  // what stopped it may be mended: it can go on from the last good state
+    blown_up_ = false;
+    status_ = playing_ ? "playing" : "ready";
+  }
+  // Checkpoints of an old layout cannot be gone back to: there is a new first state, and the one that stands.
+  std::vector<std::byte> first, head;
+  simulation_->save(head);
+  simulation_->reset();
+  simulation_->save(first);
+  if (Result<void> r = simulation_->restore(head); !r) return {r.error().text()};
+  recording_->replace_checkpoints(std::move(first), simulation_->step_count(), std::move(head));
+  report_transport();
+  std::vector<std::string> sentences = {"The installed LSIs changed; the content goes on with the new ones."};
+  sentences.insert(sentences.end(), told->begin(), told->end());
+  return sentences;
 }
 
 Result<LiveInput> Interpreter::link_input(std::string_view character, std::string_view link) const {
@@ -299,6 +323,7 @@ void Interpreter::begin_recording() {
 Result<void> Interpreter::truncate(std::int64_t step) {
   const Recording::Checkpoint& checkpoint = recording_->checkpoint_before(step);
   if (Result<void> r = simulation_->restore(checkpoint.state); !r) return r;
+  watch_.changed();
   next_input_ = recording_->first_input(checkpoint.step);
   recording_->truncate(step);
   blown_up_ = false;
@@ -319,6 +344,7 @@ bool Interpreter::advance_head() {
     stop(r.error());
     return false;
   }
+  watch_.stepped();
   record_head();
   if (recording_->full()) {
     stop(told(ErrorCode::range, "recording", "The recording is full (1 GB).", "Restart the simulation."));
@@ -375,12 +401,14 @@ double Interpreter::work() {
       report_summary();
     } else {
       report_in_time();
+      report_values();
       return 0;
     }
   }
+  const double values_wait = report_values();
   if (!playing_) {
     if (summary_due_ && seconds_() - summary_reported_ >= summary_period) report_summary();
-    return summary_due_ ? summary_period : never;
+    return std::min(summary_due_ ? summary_period : never, values_wait);
   }
 
   const double due = anchor_seconds_ + static_cast<double>(ticks_) / display_rate;
@@ -515,6 +543,17 @@ void Interpreter::report_summary() {
     contacts.push_back({{"character", cast[static_cast<std::size_t>(s.character)].id}, {"from", s.from}, {"to", s.to}, {"feet", s.feet}});
   }
   sink_.message(Json{{"event", "summary"}, {"characters", std::move(characters)}, {"contacts", std::move(contacts)}}.dump());
+}
+
+void Interpreter::watch(WatchRequest request) { watch_.set(std::move(request)); }
+
+double Interpreter::report_values() {
+  if (!watch_.dirty()) return std::numeric_limits<double>::infinity();
+  const double now = seconds_();
+  if (const double wait = values_reported_ + CircuitWatch::period - now; wait > 0 && wait <= CircuitWatch::period) return wait;
+  values_reported_ = now;
+  sink_.message(watch_.report(now));
+  return std::numeric_limits<double>::infinity();
 }
 
 void Interpreter::report_in_time() {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/studio/circuit_watch.h"
 #include "ugoki/studio/recording.h"
 #include "ugoki/studio/simulation.h"
 
@@ -46,11 +47,16 @@ class Interpreter {
   [[nodiscard]] Result<void> step_frames(int frames);  ///< display frames, forwards or back; pauses
   [[nodiscard]] Result<void> seek(double time);
   [[nodiscard]] Result<void> restart();
+  /// An installed library changed on disk: the content goes on with it. @return what is to be told
+  [[nodiscard]] std::vector<std::string> change_library();
   /// @param link index as text, or name, or label
   [[nodiscard]] Result<void> grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target);
   [[nodiscard]] Result<void> drag(const Vec3& target);
   [[nodiscard]] Result<void> release();
   [[nodiscard]] Result<void> push(std::string_view character, std::string_view link, const Vec3& force, double duration);
+
+  /// What a page wants to see of the running circuit, from now on: events `values`.
+  void watch(WatchRequest request);
 
   /// Does some milliseconds of what is due. @return s until there is more to do; infinity: nothing until a call
   double work();
@@ -87,6 +93,8 @@ class Interpreter {
   void report_transport();
   void report_summary();
   void report_in_time();
+  /// s until values are to be reported; infinity: nothing of them changed.
+  double report_values();
   [[nodiscard]] std::int64_t step_at(double time) const;
   [[nodiscard]] double time_of(std::int64_t step) const;
   [[nodiscard]] double head_time() const;
@@ -111,6 +119,8 @@ class Interpreter {
   double computed_steps_ = 0;
   double transport_reported_ = -1, summary_reported_ = -1;
   bool summary_due_ = false;
+  CircuitWatch watch_;
+  double values_reported_ = -1;
   std::string status_ = "ready";
   std::vector<std::byte> frame_;
 };

@@ -13,10 +13,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "ugoki/circuit/class_json.h"
+#include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/live_library.h"
 #include "ugoki/studio/channel.h"
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/frame_ring.h"
 #include "ugoki/studio/interpreter.h"
+#include "ugoki/studio/player_simulation.h"
 
 namespace ugoki::studio {
 namespace {
@@ -95,6 +99,20 @@ Vec3 vec3_of(const Json& request, const char* key) {
   return {part(0), part(1), part(2)};
 }
 
+std::vector<std::string> texts_of(const Json& request, const char* key) {
+  std::vector<std::string> out;
+  if (const auto it = request.find(key); it != request.end() && it->is_array())
+    for (const Json& text : *it)
+      if (text.is_string()) out.push_back(text.get<std::string>());
+  return out;
+}
+
+/// The event `lsis`: what circuits may be made of.
+std::string lsis_event() {
+  const std::string text = json::to_text(circuit::library_json(*lsi_library().library()));
+  return "{\"event\":\"lsis\"," + text.substr(1);
+}
+
 Result<void> serve(Interpreter& interpreter, const Json& request, const std::vector<std::byte>& block) {
   const std::string op = text_of(request, "op");
   if (op == "ping") return {};
@@ -107,6 +125,10 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   if (op == "restart") return interpreter.restart();
   if (op == "drag") return interpreter.drag(vec3_of(request, "target"));
   if (op == "release") return interpreter.release();
+  if (op == "watch") {
+    interpreter.watch({texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false)});
+    return {};
+  }
   const std::string character = text_of(request, "character"), link = text_of(request, "link");
   if (op == "grab") return interpreter.grab(character, link, vec3_of(request, "point"), vec3_of(request, "target"));
   if (op == "push") return interpreter.push(character, link, vec3_of(request, "force"), number_of(request, "duration"));
@@ -116,7 +138,9 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
 }  // namespace
 
 int run_interpreter(SimulationOpener opener) {
+  constexpr double library_period = 0.25;  // s between looks at the installed libraries
   std::signal(SIGPIPE, SIG_IGN);
+  plugin::guard_process(child_file::words);
   Result<FrameRing> ring = FrameRing::attach(child_file::frames);
   if (!ring) {
     std::fprintf(stderr, "%s\n", ring.error().text().c_str());
@@ -127,9 +151,24 @@ int run_interpreter(SimulationOpener opener) {
   static Inbox inbox(control);
   ChildSink sink(control, *ring);
   Interpreter interpreter(opener, sink, seconds_now);
-  double wait = 0;
+  const auto tell = [&sink](std::string_view level, const std::string& text) {
+    sink.message(Json{{"event", "log"}, {"level", level}, {"text", text}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  };
+  const auto tell_library = [&] {
+    for (const std::string& problem : lsi_library().take_messages()) tell("error", problem);
+    sink.message(lsis_event());
+  };
+  tell_library();
+  double wait = 0, looked = seconds_now();
   while (true) {
-    while (std::optional<ChannelMessage> message = inbox.take(wait)) {
+    if (seconds_now() - looked >= library_period) {
+      looked = seconds_now();
+      if (lsi_library().poll()) {
+        for (const std::string& sentence : interpreter.change_library()) tell("info", sentence);
+        tell_library();
+      }
+    }
+    while (std::optional<ChannelMessage> message = inbox.take(std::min(wait, library_period))) {
       wait = 0;
       const Json request = Json::parse(message->text, nullptr, false);
       const Result<void> done = serve(interpreter, request, message->block);

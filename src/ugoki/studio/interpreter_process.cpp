@@ -7,11 +7,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <utility>
 
+#include "ugoki/plugin/guard.h"
 #include "ugoki/studio/interpreter_child.h"
 
 namespace ugoki::studio {
@@ -30,13 +32,20 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   Result<FrameRing> ring = FrameRing::make();
   if (!ring) return fail(std::move(ring.error()));
   const int signal = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  const int handed[3] = {raised(ends->second.fd()), raised(ring->fd()), raised(signal)};
+  int words[2] = {-1, -1};
+  if (::pipe2(words, O_CLOEXEC | O_NONBLOCK) != 0) {
+    close(signal);
+    return fail(ErrorCode::io, program.path, "There are no more pipes.", "Close other programs.");
+  }
+  const int handed[4] = {raised(ends->second.fd()), raised(ring->fd()), raised(signal), raised(words[1])};
+  close(words[1]);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, handed[0], child_file::control);
   posix_spawn_file_actions_adddup2(&actions, handed[1], child_file::frames);
   posix_spawn_file_actions_adddup2(&actions, handed[2], child_file::signal);
+  posix_spawn_file_actions_adddup2(&actions, handed[3], child_file::words);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;
@@ -55,24 +64,30 @@ Result<std::unique_ptr<InterpreterProcess>> InterpreterProcess::start(const Inte
   for (const int fd : handed) close(fd);
   if (error != 0) {
     close(signal);
+    close(words[0]);
     return fail(ErrorCode::io, program.path, std::string("The interpreter cannot be started: ") + std::strerror(error) + ".",
                 "See that the program is where it was and may be run.");
   }
   ends->first.set_send_limit(send_limit);
   return std::unique_ptr<InterpreterProcess>(
-      new InterpreterProcess(std::move(ends->first), std::move(*ring), signal, pid, std::move(events)));
+      new InterpreterProcess(std::move(ends->first), std::move(*ring), signal, words[0], pid, std::move(events)));
 }
 
-InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, int signal, int pid, InterpreterEvents events)
-    : control_(std::move(control)), ring_(std::move(ring)), signal_(signal), pid_(pid), events_(std::move(events)), thread_([this] {
-        listen();
-      }) {}
+InterpreterProcess::InterpreterProcess(Channel control, FrameRing ring, int signal, int words, int pid, InterpreterEvents events)
+    : control_(std::move(control)),
+      ring_(std::move(ring)),
+      signal_(signal),
+      words_(words),
+      pid_(pid),
+      events_(std::move(events)),
+      thread_([this] { listen(); }) {}
 
 InterpreterProcess::~InterpreterProcess() {
   ending_ = true;
   control_.shut();
   thread_.join();
   close(signal_);
+  close(words_);
 }
 
 void InterpreterProcess::kill_unanswering() {
@@ -117,6 +132,12 @@ std::string InterpreterProcess::wait_for_end() {
     }
   }
   if (unanswering_) return "The interpreter did not answer any more and was ended. The project is safe; play to start it again.";
+  std::string words(4096, '\0');  // written before the process ended, so there without waiting
+  words.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(words_, words.data(), words.size()))));
+  if (!words.empty()) {
+    const Problem problem = plugin::read_last_words(words, "ended").problems[0];
+    return problem.message + " " + problem.remedy + " The project is safe; play to start it again.";
+  }
   std::string how = "ended";
   if (got == pid_ && WIFSIGNALED(status)) {
     how = "was ended by signal " + std::to_string(WTERMSIG(status)) + " (" + strsignal(WTERMSIG(status)) + ")";

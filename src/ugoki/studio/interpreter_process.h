@@ -44,13 +44,14 @@ class InterpreterProcess {
   [[nodiscard]] int pid() const { return pid_; }
 
  private:
-  InterpreterProcess(Channel control, FrameRing ring, int signal, int pid, InterpreterEvents events);
+  InterpreterProcess(Channel control, FrameRing ring, int signal, int words, int pid, InterpreterEvents events);
   void listen();
   std::string wait_for_end();
 
   Channel control_;
   FrameRing ring_;
   int signal_;
+  int words_;  ///< pipe of last words
   int pid_;
   InterpreterEvents events_;
   std::atomic<bool> ending_ = false, unanswering_ = false;

@@ -3,6 +3,10 @@
 #include <utility>
 
 #include "ugoki/content/player.h"
+#include "ugoki/lsi/standard_library.h"
+#include "ugoki/plugin/guard.h"
+#include "ugoki/plugin/live_library.h"
+#include "ugoki/plugin/shelf.h"
 
 namespace ugoki::studio {
 namespace {
@@ -51,6 +55,20 @@ class PlayerSimulation final : public Simulation {
     given_ = Given::release;
   }
 
+  void reset() override {
+    given_ = Given::nothing;
+    player_.reset();
+  }
+  Result<std::vector<std::string>> change_library() override {
+    Result<circuit::Interpreter::Adoption> report = player_.change_library(lsi_library().library());
+    if (!report) return fail(std::move(report.error()));
+    given_ = Given::nothing;
+    std::vector<std::string> sentences = std::move(report->partly);
+    sentences.insert(sentences.end(), report->afresh.begin(), report->afresh.end());
+    return sentences;
+  }
+  circuit::Interpreter* circuit() override { return &player_.interpreter(); }
+
   void encode_frame(std::vector<std::byte>& out) override {
     player_.display_frame(frame_);
     show_given();
@@ -94,8 +112,14 @@ class PlayerSimulation final : public Simulation {
 
 }  // namespace
 
+plugin::LiveLibrary& lsi_library() {
+  static plugin::LiveLibrary library(lsi::standard_library(), plugin::default_shelf());
+  return library;
+}
+
 Result<std::unique_ptr<Simulation>> open_player(std::span<const std::byte> executable) {
-  Result<content::Player> player = content::Player::open(executable, "content");
+  Result<content::Player> player =
+      content::Player::open(executable, "content", {.library = lsi_library().library(), .activity = &plugin::process_activity()});
   if (!player) return fail(std::move(player.error()));
   return std::unique_ptr<Simulation>(std::make_unique<PlayerSimulation>(std::move(*player)));
 }

@@ -43,6 +43,15 @@ std::vector<std::byte>& Recording::add_checkpoint(std::int64_t step) {
   return checkpoints_.back().state;
 }
 
+void Recording::replace_checkpoints(std::vector<std::byte> first, std::int64_t step, std::vector<std::byte> head) {
+  for (std::size_t i = 0; i + 1 < checkpoints_.size(); ++i) bytes_ -= checkpoints_[i].state.size();
+  checkpoints_.clear();
+  checkpoints_.push_back({0, std::move(first)});
+  if (step == 0) return;
+  bytes_ += checkpoints_.back().state.size();
+  checkpoints_.push_back({step, std::move(head)});
+}
+
 const Recording::Checkpoint& Recording::checkpoint_before(std::int64_t step) const {
   const auto after = std::ranges::upper_bound(checkpoints_, step, {}, &Checkpoint::step);
   UGOKI_CHECK(after != checkpoints_.begin());

@@ -57,6 +57,9 @@ class Recording {
   /// The newest checkpoint at or before `step`; there is one at 0.
   [[nodiscard]] const Checkpoint& checkpoint_before(std::int64_t step) const;
 
+  /// Forgets all checkpoints but these: the first state, and the one after `step` steps.
+  void replace_checkpoints(std::vector<std::byte> first, std::int64_t step, std::vector<std::byte> head);
+
   void add_input(const LiveInput& input) { inputs_.push_back(input); }
   [[nodiscard]] const std::vector<LiveInput>& inputs() const { return inputs_; }
   /// Index of the first input at or after `step`.

@@ -6,8 +6,9 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/circuit.h"
+#include "ugoki/content/default_circuit.h"
+#include "ugoki/content/generate.h"
 #include "ugoki/content/track.h"
-#include "ugoki/content/ugx.h"
 #include "ugoki/files/files.h"
 #include "ugoki/json/json.h"
 #include "ugoki/studio/error_json.h"
@@ -18,26 +19,38 @@ namespace {
 
 using json::Json;
 
+constexpr std::size_t max_watched = 1000;
 constexpr std::size_t max_choices = 16'384;  // bytes; what a page remembers is a few words
 
 std::string text_of(const Json& json) { return json::to_text(json); }
 
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
-/// The circuit as the page shows it.
-std::string shown_circuit(std::span<const std::byte> executable) {
-  const Result<content::Ugx> ugx = content::read_ugx(executable);
-  const content::UgxSection* section = ugx ? ugx->find("circuit") : nullptr;
-  if (section == nullptr) return {};
-  const Result<circuit::Circuit> circuit = circuit::read_circuit(section->text());
-  if (!circuit || circuit->lsis.empty()) return {};
-  Json lsis = Json::array(), wires = Json::array();
-  for (const circuit::Instance& lsi : circuit->lsis) {
-    lsis.push_back(
-        {{"id", lsi.id}, {"type", lsi.type}, {"name", lsi.label.empty() ? lsi.id : lsi.label}, {"x", lsi.at.x}, {"y", lsi.at.y}});
+/// The circuit without what only people read, so that moving an LSI or writing a note does not begin the simulation anew.
+void strip(circuit::Circuit& circuit) {
+  circuit.doc.clear();
+  circuit.inputs_at.reset();
+  circuit.outputs_at.reset();
+  circuit.notes.clear();
+  circuit.probes.clear();
+  for (circuit::Instance& lsi : circuit.lsis) {
+    lsi.label.clear();
+    lsi.note.clear();
+    lsi.at = {};
   }
-  for (const circuit::Wire& wire : circuit->wires) wires.push_back({{"from", wire.from}, {"to", wire.to}});
-  return text_of({{"lsis", std::move(lsis)}, {"wires", std::move(wires)}});
+  for (circuit::Circuit& inner : circuit.circuits) strip(inner);
+}
+
+/// Problems of the interpreter's reply.
+Error read_problems(const Json& reply) {
+  Error out;
+  const auto text = [](const Json& p, const char* key) {
+    return p.contains(key) && p[key].is_string() ? p[key].get<std::string>() : std::string();
+  };
+  for (const Json& p : reply.value("error", Json::object()).value("problems", Json::array()))
+    out.add(ErrorCode::structure, text(p, "place"), text(p, "message"), text(p, "remedy"));
+  if (out.empty()) out.add(ErrorCode::structure, "content", "The content cannot be played.", "Look at the log.");
+  return out;
 }
 
 }  // namespace
@@ -119,6 +132,10 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   if (request.op == "undo" || request.op == "redo") return undo_or_redo(request.op == "undo");
   if (request.op == "save") return save(request);
   if (request.op == "remember") return remember(request);
+  const bool physics = request.op == "mode"
+                           ? request.json.value("mode", "") == "simulate"
+                           : simulate_ && (request.op == "play" || request.op == "restart" || request.op == "grab" || request.op == "push");
+  if (physics && !circuit_problems_.empty()) return fail(circuit_problems_);
   if (Result<void> r = check_transport(request); !r) return fail(std::move(r.error()));
   if (Result<void> r = forward(request); !r) return fail(std::move(r.error()));
   answered = false;
@@ -127,7 +144,8 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
 
 std::string Session::hello() const {
   std::string fields = "," + document_fields() + ",\"transport\":" + transport_event() + ",\"choices\":" + choices();
-  if (!circuit_.empty()) fields += ",\"circuit\":" + circuit_;
+  fields += ",\"circuit_problems\":" + text_of(json::error_json(circuit_problems_)["problems"]);
+  if (!lsis_.empty()) fields += ",\"lsis\":" + lsis_;
   return fields;
 }
 
@@ -150,7 +168,9 @@ std::string Session::document_fields() const {
                       {"unsaved", project_.unsaved()},
                       {"revision", project_.revision()}};
   std::string fields = text_of(state);
-  return fields.substr(1, fields.size() - 2) + ",\"document\":" + project_.document();
+  fields = fields.substr(1, fields.size() - 2);
+  if (project_.scenario().circuit.empty()) fields += ",\"generated_circuit\":" + content::default_circuit(project_.scenario());
+  return fields + ",\"document\":" + project_.document();
 }
 
 std::string Session::transport_event() const {
@@ -246,6 +266,11 @@ Result<void> Session::check_transport(const Request& request) const {
       if (!request.has_vector(key)) return Request::wrong(key, "three numbers");
     }
     if (op == "push" && !request.has_number("duration")) return Request::wrong("duration", "a number of seconds");
+  } else if (op == "watch") {
+    for (const char* key : {"pins", "probes"})
+      if (!field(key).is_array() || field(key).size() > max_watched)
+        return Request::wrong(key, "a list of at most " + std::to_string(max_watched) + " outputs");
+    if (!field("timing").is_boolean()) return Request::wrong("timing", "true or false");
   } else if (op != "pause" && op != "restart" && op != "release") {
     return fail(ErrorCode::unknown, "op", "There is no operation \"" + op + "\".", "See docs/studio-protocol.md for those that there are.");
   }
@@ -262,7 +287,11 @@ Result<void> Session::forward(const Request& request) {
   Json message = request.json;
   message.erase("id");
   if (message.contains("link") && message["link"].is_number()) message["link"] = text_of(message["link"]);
-  if (request.op == "mode") simulate_ = message["mode"] == "simulate";
+  if (request.op == "mode") {
+    simulate_ = message["mode"] == "simulate";
+    if (!simulate_ && !circuit_problems_.empty()) load_without_circuit();
+  }
+  if (request.op == "watch") watch_ = text_of(message);
   if (request.op == "play" && request.has_number("speed")) speed_ = message["speed"].get<double>();
   if (send_to_interpreter(text_of(message), {}, {request.client, request.reply_to, quiet})) return {};
   return fail(ErrorCode::io, "interpreter", "The interpreter does not listen.", "Play again; it will be started anew.");
@@ -270,16 +299,35 @@ Result<void> Session::forward(const Request& request) {
 
 void Session::changed() {
   outbox_.broadcast("{\"event\":\"document\"," + document_fields() + "}");
+  const std::vector<std::byte> before = executable_;
   generate();
-  if (!process_ || executable_.empty()) return;
+  if (!process_ || executable_.empty() || executable_ == before) return;
   send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
 }
 
 void Session::generate() {
-  Result<std::vector<std::byte>> made = project_.generate();
+  content::Scenario scenario = project_.scenario();
+  if (Result<circuit::Circuit> own = circuit::read_circuit(scenario.circuit); own && !scenario.circuit.empty()) {
+    strip(*own);
+    scenario.circuit = circuit::write_circuit(*own);
+  }
+  Result<std::vector<std::byte>> made = content::generate(scenario, project_.resources());
   if (!made) return log("error", "What plays is still the content before this change: " + made.error().text());
   executable_ = std::move(*made);
-  circuit_ = shown_circuit(executable_);
+}
+
+void Session::load_without_circuit() {
+  content::Scenario scenario = project_.scenario();
+  if (scenario.circuit.empty() || !process_) return;
+  scenario.circuit.clear();
+  if (Result<std::vector<std::byte>> made = content::generate(scenario, project_.resources()))
+    send_to_interpreter(R"({"op":"load"})", *made, {0, "tracks", false});
+}
+
+void Session::set_circuit_problems(Error problems) {
+  if (problems.empty() && circuit_problems_.empty()) return;
+  circuit_problems_ = std::move(problems);
+  outbox_.broadcast(R"({"event":"circuit",)" + text_of(json::error_json(circuit_problems_)).substr(1));
 }
 
 Result<void> Session::ensure_interpreter() {
@@ -314,6 +362,7 @@ Result<void> Session::ensure_interpreter() {
   ping_ = 0;
   send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
   if (simulate_) send_to_interpreter(R"({"op":"mode","mode":"simulate"})", {}, {});
+  if (!watch_.empty()) send_to_interpreter(watch_, {}, {});
   return {};
 }
 
@@ -334,6 +383,7 @@ void Session::on_interpreter_message(const std::string& text) {
   if (const auto event = message.find("event"); event != message.end() && event->is_string()) {
     if (*event == "transport") transport_ = text;
     if (*event == "summary") summary_ = text;
+    if (*event == "lsis") lsis_ = text;
     outbox_.broadcast(text);
     return;
   }
@@ -350,12 +400,14 @@ void Session::on_interpreter_message(const std::string& text) {
     if (ok && pending.quiet) return;
     const std::string error = message.contains("error") ? text_of(message["error"]) : "{\"problems\":[]}";
     outbox_.send(pending.client, "{\"reply\":" + pending.reply_to + ",\"ok\":" + (ok ? "true}" : "false,\"error\":" + error + "}"));
-  } else if (!ok && pending.reply_to == "content") {
-    std::string why;
-    for (const Json& p : message.value("error", Json::object()).value("problems", Json::array())) {
-      why += p.value("place", "") + ": " + p.value("message", "") + " " + p.value("remedy", "") + "\n";
-    }
-    log("error", "The content cannot be played: " + why);
+  } else if (pending.reply_to == "content") {
+    if (ok) return set_circuit_problems({});
+    set_circuit_problems(read_problems(message));
+    log("error", "The content cannot be played: " + circuit_problems_.text());
+    if (simulate_)
+      send_to_interpreter(R"({"op":"pause"})", {}, {});  // what stands is the content before
+    else
+      load_without_circuit();
   }
 }
 

@@ -81,6 +81,9 @@ class Session {
 
   void changed();
   void generate();
+  /// The content, which does not play, with the circuit that the generator makes: so that the tracks can still be seen.
+  void load_without_circuit();
+  void set_circuit_problems(Error problems);
   [[nodiscard]] Result<void> ensure_interpreter();
   bool send_to_interpreter(std::string request, const std::vector<std::byte>& block, Pending pending);
   void on_interpreter_message(const std::string& text);
@@ -101,7 +104,9 @@ class Session {
   std::atomic<int> pid_ = -1;
   std::uint64_t generation_ = 0;       ///< of the process; what comes from older ones is ignored
   std::vector<std::byte> executable_;  ///< the newest that could be generated
-  std::string circuit_;                ///< JSON of its circuit for display
+  std::string lsis_;                   ///< newest lsis event: what circuits may be made of
+  std::string watch_;                  ///< newest request to watch the circuit, for a new interpreter; may be empty
+  Error circuit_problems_;             ///< why the content as it is cannot be played; empty: it can
   int last_request_ = 0;
   std::map<int, Pending> pending_;
   int ping_ = 0;  ///< request id of a ping without answer; 0: none

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/circuit/interpreter.h"
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::studio {
@@ -53,6 +54,14 @@ class Simulation {
   virtual void grab(int character, int link, const Vec3& point, const Vec3& target) = 0;  ///< point in the link's frame
   virtual void drag(const Vec3& target) = 0;
   virtual void release() = 0;
+
+  /// Back to time 0.
+  virtual void reset() {}
+  /// Goes on with the newest LSIs of the installed libraries. @return sentences about what was kept
+  [[nodiscard]] virtual Result<std::vector<std::string>> change_library() { return std::vector<std::string>{}; }
+
+  /// The circuit that runs it, to be looked at between steps; null: there is none.
+  [[nodiscard]] virtual circuit::Interpreter* circuit() { return nullptr; }
 
   /// The state as a frame of docs/studio-protocol.md; time, number and flags but "grab active" are the caller's to set.
   virtual void encode_frame(std::vector<std::byte>& out) = 0;

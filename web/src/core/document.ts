@@ -2,6 +2,7 @@
  * The scenario document (docs/scenario.md) and its commands. The service owns the truth; `apply_command` here repeats only what
  * the page needs to preview a drag before the service has answered.
  */
+import { apply_changes, type Change, type Circuit } from './circuit/form';
 import type { Vec3 } from './protocol';
 
 export interface Place {
@@ -70,7 +71,7 @@ export interface ScenarioDocument {
   events: ScenarioEvent[];
   camera?: { follow?: string | null; distance?: number; azimuth?: number; elevation?: number };
   look?: { light?: number; floor?: string };
-  circuit?: unknown;
+  circuit?: Circuit | null;
 }
 
 export type ClipFields = Partial<Omit<Clip, 'id'>>;
@@ -87,6 +88,8 @@ export type Command =
   | { type: 'event.set'; id: string; event: Partial<Omit<ScenarioEvent, 'id' | 'type'>> }
   | { type: 'event.remove'; id: string }
   | ({ type: 'scenario.set' } & Partial<Omit<ScenarioDocument, 'version' | 'characters' | 'events' | 'circuit'>>)
+  | { type: 'circuit.set'; circuit: Circuit | null }
+  | { type: 'circuit.edit'; label: string; changes: Change[] }
   | { type: 'group'; label: string; commands: Command[] };
 
 export const find_character = (doc: ScenarioDocument, id: string): Character | undefined => doc.characters.find((c) => c.id === id);
@@ -114,8 +117,11 @@ const map_character = (doc: ScenarioDocument, id: string, change: (c: Character)
   characters: doc.characters.map((c) => (c.id === id ? change(c) : c)),
 });
 
-/** The document as it will be if the service accepts `command`; commands that need the service's knowledge leave it as it is. */
-export function apply_command(doc: ScenarioDocument, command: Command): ScenarioDocument {
+/**
+ * The document as it will be if the service accepts `command`; commands that need the service's knowledge leave it as it is.
+ * `generated`: the circuit that edits begin with where the document has none.
+ */
+export function apply_command(doc: ScenarioDocument, command: Command, generated: Circuit | null = null): ScenarioDocument {
   switch (command.type) {
     case 'clip.set': {
       const { type: _type, character, id, ...fields } = command;
@@ -146,8 +152,14 @@ export function apply_command(doc: ScenarioDocument, command: Command): Scenario
       const { type: _type, ...fields } = command;
       return { ...doc, ...fields };
     }
+    case 'circuit.set':
+      return { ...doc, circuit: command.circuit };
+    case 'circuit.edit': {
+      const circuit = doc.circuit ?? generated;
+      return circuit ? { ...doc, circuit: apply_changes(circuit, command.changes) } : doc;
+    }
     case 'group':
-      return command.commands.reduce(apply_command, doc);
+      return command.commands.reduce((d, c) => apply_command(d, c, generated), doc);
     default:
       return doc;
   }

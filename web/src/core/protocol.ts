@@ -1,4 +1,7 @@
 /** Messages between the page and the service: docs/studio-protocol.md, type by type. */
+import type { LsiClass, PinType } from './circuit/classes';
+import type { Circuit } from './circuit/form';
+import type { ValuesEvent } from './circuit/live';
 import type { Command, ScenarioDocument } from './document';
 
 export interface Problem {
@@ -75,6 +78,13 @@ export interface DocumentState {
   undo_label: string;
   redo_label: string;
   characters: CharacterInfo[];
+  /** The circuit that the generator makes, where the document has none of its own. */
+  generated_circuit?: Circuit | null;
+}
+
+export interface LsisEvent {
+  pin_types?: PinType[];
+  classes?: LsiClass[];
 }
 
 export interface HelloReply extends DocumentState {
@@ -82,13 +92,8 @@ export interface HelloReply extends DocumentState {
   transport: Transport;
   /** What `remember` kept; of another version, or edited by hand: not to be trusted. */
   choices?: unknown;
-  circuit?: CircuitData | null;
-}
-
-export interface CircuitData {
-  lsis: { id: string; type: string; name?: string; x?: number; y?: number; pins?: { name: string; direction: 'in' | 'out'; type: string }[] }[];
-  /** Ends as "lsi.pin" or as [lsi, pin]. */
-  wires: { from: string | [string, string]; to: string | [string, string] }[];
+  lsis?: LsisEvent | null;
+  circuit_problems?: Problem[];
 }
 
 export interface LogLine {
@@ -102,6 +107,9 @@ export type ServiceEvent =
   | ({ event: 'summary' } & Summary)
   | ({ event: 'log' } & LogLine)
   | { event: 'library' }
+  | ({ event: 'lsis' } & LsisEvent)
+  | { event: 'circuit'; problems: Problem[] }
+  | ({ event: 'values' } & ValuesEvent)
   | { event: 'stopped'; reason: string };
 
 export type Request =
@@ -116,6 +124,7 @@ export type Request =
   | { op: 'seek'; time: number }
   | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
   | { op: 'drag'; target: Vec3 }
+  | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean }
   | { op: 'push'; character: string; link: number; force: Vec3; duration: number };
 
 export type Vec3 = [number, number, number];

@@ -1,5 +1,7 @@
 /** One page's work with the service: the state, the requests that change it, and what comes back. Framework-free. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
+import { ClassList } from './circuit/classes';
+import { LiveValues } from './circuit/live';
 import { Client, LatestOnly, type SocketLike } from './client';
 import { apply_command, type Command, type ScenarioDocument } from './document';
 import { FrameRing } from './frames';
@@ -8,6 +10,7 @@ import {
   type DocumentState,
   type HelloReply,
   type LibraryEntry,
+  type LsisEvent,
   type MechanismData,
   type Mode,
   type Problem,
@@ -28,6 +31,9 @@ export interface SessionOptions {
 export class Session {
   readonly store: StoreApi<StudioState>;
   readonly frames = new FrameRing();
+  /** Of the running circuit, as far as `watch` asked for them. */
+  readonly live = new LiveValues();
+  private watched = '';
   private readonly client: Client;
   private readonly seeks: LatestOnly<number>;
   private readonly drags: LatestOnly<Vec3>;
@@ -83,10 +89,11 @@ export class Session {
 
   /** Sends one command, shown at once and taken back if the service refuses it. */
   async edit(command: Command): Promise<boolean> {
-    const { document, preview, revision } = this.state;
+    const { document, preview, revision, generated } = this.state;
     if (!document) return false;
-    const shown = apply_command(document, command);
-    this.set({ preview: shown === document ? preview : shown });
+    const base = (this.pending_edits > 0 && preview) || document;
+    const shown = apply_command(base, command, generated);
+    this.set({ preview: shown === base ? preview : shown });
     this.pending_edits++;
     try {
       await this.client.request({ op: 'command', command });
@@ -221,6 +228,20 @@ export class Session {
     this.send({ op: 'push', character, link, force, duration });
   }
 
+  // ---- circuit ----
+
+  /** Which outputs, curves and times of the running circuit are looked at; nothing changes: nothing is sent. */
+  watch(pins: string[], probes: string[], timing: boolean): void {
+    const wanted = JSON.stringify([pins, probes, timing]);
+    if (wanted === this.watched || this.state.connection !== 'open') return;
+    this.watched = wanted;
+    this.client.request({ op: 'watch', pins, probes, timing }).catch(() => (this.watched = ''));
+  }
+
+  private take_lsis(lsis: LsisEvent): void {
+    this.set({ classes: new ClassList(lsis.classes ?? [], lsis.pin_types ?? []) });
+  }
+
   // ---- library ----
 
   async load_library(): Promise<void> {
@@ -345,6 +366,8 @@ export class Session {
   }
 
   private connected(hello: HelloReply): void {
+    this.watched = '';
+    if (hello.lsis) this.take_lsis(hello.lsis);
     this.take_document(hello);
     const first = this.state.connection === 'connecting';
     if (first) this.set(read_choices(hello.choices));
@@ -354,7 +377,7 @@ export class Session {
       connection: 'open',
       project: hello.project,
       transport: { ...this.state.transport, ...hello.transport },
-      circuit: hello.circuit ?? null,
+      circuit_problems: hello.circuit_problems ?? [],
       view,
       stopped: null,
     });
@@ -370,6 +393,7 @@ export class Session {
       undo_label: state.undo_label ?? '',
       redo_label: state.redo_label ?? '',
       characters: state.characters,
+      generated: state.generated_circuit ?? this.state.generated,
       selection: valid_selection(this.state.selection, state.document),
     });
     for (const character of state.characters) void this.need_mechanism(character.mechanism);
@@ -397,6 +421,15 @@ export class Session {
         break;
       case 'library':
         void this.load_library();
+        break;
+      case 'lsis':
+        this.take_lsis(event);
+        break;
+      case 'circuit':
+        this.set({ circuit_problems: event.problems });
+        break;
+      case 'values':
+        this.live.take(event, performance.now());
         break;
       case 'log':
         this.log(event.level, event.text);

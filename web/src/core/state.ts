@@ -1,14 +1,18 @@
 /** The page's state: what React draws. Frames are not in it; they go from the ring straight to the viewport. */
 import type { ScenarioDocument } from './document';
 import type { KeymapName } from './keymap';
-import type { CharacterInfo, CircuitData, LibraryEntry, LogLine, MechanismData, Problem, ProjectInfo, Summary, Transport } from './protocol';
+import { ClassList } from './circuit/classes';
+import type { Circuit } from './circuit/form';
+import type { CharacterInfo, LibraryEntry, LogLine, MechanismData, Problem, ProjectInfo, Summary, Transport } from './protocol';
 
 export type Selection =
   | { kind: 'none' }
   | { kind: 'character'; character: string; link?: number }
   | { kind: 'clip'; character: string; clip: string }
   | { kind: 'event'; event: string }
-  | { kind: 'entry'; entry: string };
+  | { kind: 'entry'; entry: string }
+  /** What is selected in the wiring editor, which knows it. */
+  | { kind: 'circuit' };
 
 export interface Toast {
   id: number;
@@ -47,7 +51,11 @@ export interface StudioState {
   characters: CharacterInfo[];
   transport: Transport;
   summary: Summary;
-  circuit: CircuitData | null;
+  /** The circuit that the generator makes; the document's own, where it has one, goes before it. */
+  generated: Circuit | null;
+  classes: ClassList;
+  /** Why the circuit does not run. */
+  circuit_problems: Problem[];
   log: LoggedLine[];
   /** Reason why the interpreter stopped, until the next start. */
   stopped: string | null;
@@ -89,7 +97,9 @@ export const initial_state: StudioState = {
   characters: [],
   transport: initial_transport,
   summary: { characters: [], contacts: [] },
-  circuit: null,
+  generated: null,
+  classes: new ClassList(),
+  circuit_problems: [],
   log: [],
   stopped: null,
   library: [],
@@ -117,6 +127,12 @@ export function read_choices(choices: unknown): Pick<StudioState, 'keymap' | 'th
 
 /** The document to draw. */
 export const shown_document = (state: StudioState): ScenarioDocument | null => state.preview ?? state.document;
+
+/** The circuit to draw, and whether it is the project's own. */
+export function shown_circuit(state: StudioState): { circuit: Circuit | null; edited: boolean } {
+  const own = shown_document(state)?.circuit as Circuit | null | undefined;
+  return own ? { circuit: own, edited: true } : { circuit: state.generated, edited: false };
+}
 
 /** The character that the selection belongs to. */
 export function selected_character(state: StudioState): string | null {

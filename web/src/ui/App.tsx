@@ -5,7 +5,8 @@ import { parts, registry, session, useStudio } from './app';
 import { Banners, Dialogs, Toasts } from './dialogs';
 import { InspectorPanel } from './InspectorPanel';
 import { LibraryPanel } from './LibraryPanel';
-import { CircuitPanel, LogPanel, NaturalnessPanel } from './lower_panels';
+import { CircuitPanel } from './circuit/CircuitPanel';
+import { LogPanel, NaturalnessPanel } from './lower_panels';
 import { ScenarioPanel } from './ScenarioPanel';
 import { TopBar } from './TopBar';
 import { ViewportPanel } from './ViewportPanel';
@@ -22,8 +23,10 @@ const components: Record<string, FunctionComponent> = {
   circuit: CircuitPanel,
 };
 
+const toggle_large = (api: { isMaximized(): boolean; maximize(): void; exitMaximized(): void }): void => (api.isMaximized() ? api.exitMaximized() : api.maximize());
+
 function Tab({ api }: IDockviewPanelHeaderProps): ReactElement {
-  return <div className="tab">{api.title}</div>;
+  return <div className="tab" onDoubleClick={() => toggle_large(api)} title="Double-click: large or small (Ctrl Space)">{api.title}</div>;
 }
 
 function default_layout(api: DockviewApi): void {
@@ -34,7 +37,7 @@ function default_layout(api: DockviewApi): void {
   viewport.group.header.hidden = true;
   viewport.group.locked = true;
   const scenario = api.addPanel({ id: 'scenario', component: 'scenario', title: 'Scenario', renderer: 'always', initialHeight: height, position: { referencePanel: 'viewport', direction: 'below' } });
-  if (session.state.circuit) add_circuit(api);
+  add_circuit(api);
   api.addPanel({ id: 'naturalness', component: 'naturalness', title: 'Naturalness', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
   api.addPanel({ id: 'log', component: 'log', title: 'Log', inactive: true, position: { referencePanel: 'scenario', direction: 'within' } });
   const narrow = window.innerWidth < 1400;
@@ -63,8 +66,8 @@ function restore_layout(api: DockviewApi): boolean {
 export function App(): ReactElement {
   const theme = useStudio((s) => s.theme);
   const title = useStudio((s) => (s.project ? `${s.project.unsaved ? '• ' : ''}${s.project.name} — Ugoki` : 'Ugoki'));
-  const circuit = useStudio((s) => s.circuit !== null);
   const dock = useRef<DockviewApi | null>(null);
+  const frame = useRef<HTMLElement>(null);
 
   useEffect(() => {
     document.documentElement.dataset.theme = theme;
@@ -72,9 +75,6 @@ export function App(): ReactElement {
   useEffect(() => {
     document.title = title;
   }, [title]);
-  useEffect(() => {
-    if (circuit && dock.current) add_circuit(dock.current);
-  }, [circuit]);
 
   useEffect(() => {
     const down = (event: KeyboardEvent): void => {
@@ -128,13 +128,34 @@ export function App(): ReactElement {
     };
   }, []);
 
+  // the dock has the size of its place at every moment, also while the page loads and the window changes
+  useEffect(() => {
+    const element = frame.current;
+    if (!element) return;
+    const fill = (): void => {
+      const { clientWidth, clientHeight } = element;
+      if (dock.current && clientWidth > 0 && clientHeight > 0) dock.current.layout(clientWidth, clientHeight, true);
+    };
+    const observer = new ResizeObserver(fill);
+    observer.observe(element);
+    window.addEventListener('resize', fill);
+    return () => {
+      observer.disconnect();
+      window.removeEventListener('resize', fill);
+    };
+  }, []);
+
   const ready = ({ api }: DockviewReadyEvent): void => {
     dock.current = api;
+    if (frame.current) api.layout(frame.current.clientWidth, frame.current.clientHeight, true); // sizes of panels are shares of it
     if (!restore_layout(api)) default_layout(api);
-    if (session.state.circuit) add_circuit(api);
+    add_circuit(api);
     parts.reset_layout = () => {
       default_layout(api);
       requestAnimationFrame(() => parts.fit_timeline());
+    };
+    parts.toggle_large = () => {
+      if (api.activePanel) toggle_large(api.activePanel.api);
     };
     parts.show_panel = (id) => api.getPanel(id)?.api.setActive();
     let timer: ReturnType<typeof setTimeout> | undefined;
@@ -154,7 +175,7 @@ export function App(): ReactElement {
     <div className="page">
       <TopBar />
       <Banners />
-      <main className="dock">
+      <main ref={frame} className="dock">
         <DockviewReact
           components={components}
           defaultTabComponent={Tab}

@@ -7,6 +7,7 @@ import type { LibraryEntry, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
 import { add_character, append_motion, run } from './actions';
 import { session, useStudio } from './app';
+import { CircuitSelection } from './circuit/LsiInspector';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
 
 const send = (command: Command): void => void session.edit(command);
@@ -35,6 +36,8 @@ export function InspectorPanel(): ReactElement {
   } else if (selection.kind === 'entry') {
     const entry = library.find((e) => e.id === selection.entry);
     if (entry) body = <EntryFacts entry={entry} doc={doc} />;
+  } else if (selection.kind === 'circuit') {
+    body = <CircuitSelection />;
   }
   return (
     <div className="panel inspector" role="form" aria-label="Inspector">

@@ -2,10 +2,11 @@
 import { content_end, find_character, find_clip, find_event, track_end, type Clip, type Command } from '../core/document';
 import type { AppCommand } from '../core/commands';
 import type { StudioState, ViewOptions } from '../core/state';
-import { parts, registry, session } from './app';
+import { circuit, parts, registry, session } from './app';
 
 const state = (): StudioState => session.state;
 const has_document = (): boolean => state().document !== null;
+const has_canvas = (): boolean => parts.circuit !== null;
 let copied: { character: string; clip: Clip } | null = null;
 
 export function selected_clip(): { character: string; clip: Clip } | null {
@@ -27,6 +28,7 @@ function remove_selection(): void {
   if (selection.kind === 'clip') void session.edit({ type: 'clip.remove', character: selection.character, id: selection.clip });
   else if (selection.kind === 'event') void session.edit({ type: 'event.remove', id: selection.event });
   else if (selection.kind === 'character') void session.edit({ type: 'character.remove', id: selection.character });
+  else if (selection.kind === 'circuit') circuit.remove();
 }
 
 function add_copy(character: string, clip: Clip, start: number): void {
@@ -41,6 +43,7 @@ function duplicate(): void {
   const { selection, document } = state();
   const chosen = selected_clip();
   if (chosen) return add_copy(chosen.character, chosen.clip, Math.round((chosen.clip.start + chosen.clip.length) * 1e6) / 1e6);
+  if (selection.kind === 'circuit') return circuit.duplicate();
   if (!document) return;
   if (selection.kind === 'event') {
     const event = find_event(document, selection.event);
@@ -187,6 +190,16 @@ const commands: AppCommand[] = [
   { id: 'view.left', label: 'View from the left', group: 'View', keys: ['3'], run: look(Math.PI / 2, 0.02) },
   { id: 'view.top', label: 'View from above', group: 'View', keys: ['7'], run: look(-Math.PI / 2, 1.55) },
 
+  { id: 'circuit.add', label: 'Add an LSI…', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.open_search() },
+  { id: 'circuit.note', label: 'Add a note', group: 'Circuit', enabled: has_canvas, run: () => circuit.add_note(parts.circuit!.point()) },
+  { id: 'circuit.group', label: 'Group the selected LSIs into a circuit', group: 'Circuit', enabled: () => circuit.state.nodes.size > 0, run: () => circuit.group() },
+  { id: 'circuit.ungroup', label: 'Ungroup the selected circuit', group: 'Circuit', enabled: () => circuit.chosen !== null, run: () => circuit.ungroup() },
+  { id: 'circuit.inside', label: 'Go inside the selected circuit', group: 'Circuit', enabled: () => circuit.chosen !== null, run: () => { if (circuit.chosen) circuit.go_inside(circuit.chosen); } },
+  { id: 'circuit.outside', label: 'Go out of this circuit', group: 'Circuit', enabled: () => circuit.state.path.length > 0, run: () => circuit.go_out() },
+  { id: 'circuit.layout', label: 'Lay out the circuit', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.lay_out() },
+  { id: 'circuit.fit', label: 'Show the whole circuit', group: 'Circuit', enabled: has_canvas, run: () => parts.circuit?.fit() },
+  { id: 'circuit.reset', label: 'Reset the circuit to the generated one', group: 'Circuit', enabled: () => circuit.state.edited, run: () => circuit.reset_to_generated() },
+
   { id: 'page.fit', label: 'Fit the timeline', group: 'Page', keys: ['Home'], run: () => parts.fit_timeline() },
   { id: 'page.palette', label: 'All commands…', group: 'Page', keys: ['Ctrl+K', 'Ctrl+P'], run: () => session.set({ dialog: state().dialog === 'palette' ? 'none' : 'palette' }) },
   { id: 'page.keys', label: 'Show keys', group: 'Page', keys: ['?', 'F1'], run: () => session.set({ dialog: state().dialog === 'keys' ? 'none' : 'keys' }) },
@@ -196,8 +209,9 @@ const commands: AppCommand[] = [
     session.remember();
     session.notify(state().keymap === 'industry' ? 'Keymap: industry' : 'Keymap: Blender-like');
   } },
+  { id: 'page.large', label: 'Make the panel large or small', group: 'Page', keys: ['Ctrl+Space'], run: () => parts.toggle_large() },
   { id: 'page.layout', label: 'Reset the layout', group: 'Page', run: () => parts.reset_layout() },
-  ...(['library', 'inspector', 'scenario', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
+  ...(['library', 'inspector', 'scenario', 'circuit', 'naturalness', 'log'] as const).map((panel): AppCommand => ({ id: `page.${panel}`, label: `Show ${panel}`, group: 'Page', run: () => parts.show_panel(panel) })),
   {
     id: 'page.escape', label: 'Let go, close or deselect', group: 'Page', keys: ['Escape'],
     run: () => {

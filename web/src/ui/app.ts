@@ -1,10 +1,11 @@
 /** The one session and command list of this page, and React's way to them. */
 import { useStore } from 'zustand';
 import { createStore } from 'zustand/vanilla';
+import { CircuitEditor, type EditorState } from '../core/circuit/editor';
 import { CommandRegistry } from '../core/commands';
 import type { FigureState } from '../core/frames';
 import { Session } from '../core/session';
-import type { StudioState } from '../core/state';
+import { shown_circuit, type StudioState } from '../core/state';
 import type { SocketLike } from '../core/client';
 import type { Viewport } from '../view/viewport';
 import type { PointerControl } from '../view/pointer';
@@ -24,6 +25,20 @@ export const session = new Session({
   fetch: (path, init) => fetch(with_token(path), init),
 });
 
+export const circuit = new CircuitEditor({ edit: (command) => session.edit(command), notify: (text) => session.notify(text) });
+session.store.subscribe((state, before) => {
+  if (state.document === before.document && state.preview === before.preview && state.generated === before.generated && state.classes === before.classes && state.circuit_problems === before.circuit_problems) return;
+  const shown = shown_circuit(state);
+  circuit.show(shown.circuit, shown.edited, state.classes, state.circuit_problems);
+});
+// what is selected last, there or elsewhere in the page, is what the inspector shows
+circuit.store.subscribe((state, before) => {
+  if (state.nodes === before.nodes && state.wires === before.wires) return;
+  const any = state.nodes.size + state.wires.size > 0;
+  if (any) session.select({ kind: 'circuit' });
+  else if (session.state.selection.kind === 'circuit') session.select({ kind: 'none' });
+});
+
 /** Small canvases are drawn by the processor: sent to a busy graphics processor they would make the page wait. */
 export const plain_canvas: CanvasRenderingContext2DSettings = { willReadFrequently: true };
 
@@ -37,18 +52,35 @@ export interface PageState {
 }
 export const page = createStore<PageState>(() => ({ figure_states: {}, dragged_entry: null }));
 
+/** What the mounted canvas of the wiring editor can do. */
+export interface CircuitCanvas {
+  fit(ids?: ReadonlySet<string>): void;
+  /** The plane's point in the middle of the canvas, or under the pointer if it is over it. */
+  point(): [number, number];
+  open_search(): void;
+  lay_out(): void;
+  /** For journeys: what is drawn, and how fast. */
+  facts(): Record<string, unknown>;
+}
+
 /** What is mounted now; null while it is not. */
-export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; show_panel: (id: string) => void; choose_files: () => void } = {
+export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; toggle_large: () => void; show_panel: (id: string) => void; choose_files: () => void; circuit: CircuitCanvas | null } = {
   viewport: null,
   pointer: null,
   fit_timeline: () => undefined,
   reset_layout: () => undefined,
+  toggle_large: () => undefined,
   show_panel: () => undefined,
   choose_files: () => undefined,
+  circuit: null,
 };
 
 export function useStudio<T>(pick: (state: StudioState) => T): T {
   return useStore(session.store, pick);
+}
+
+export function useCircuit<T>(pick: (state: EditorState) => T): T {
+  return useStore(circuit.store, pick);
 }
 
 export function usePage<T>(pick: (state: PageState) => T): T {

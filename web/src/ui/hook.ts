@@ -1,7 +1,7 @@
 /** `window.ugoki`: what journeys in a browser read; nothing here changes anything. */
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
-import { parts, session } from './app';
+import { circuit, parts, session } from './app';
 
 export interface PageHook {
   readonly connected: boolean;
@@ -14,6 +14,10 @@ export interface PageHook {
   log(): string[];
   undo(): { can_undo: boolean; can_redo: boolean; undo_label: string; redo_label: string };
   frame(): { time: number; number: number; playing: boolean; simulate: boolean; grabbing: boolean; contacts: number } | null;
+  /** The wiring editor: the level that is shown, the selection, problems, and what is drawn. */
+  circuit(): { name: string; edited: boolean; path: string[]; lsis: unknown[]; wires: string[]; notes: unknown[]; probes: unknown[]; circuits: string[]; selected: string[]; problems: string[]; facts: unknown } | null;
+  /** The newest values of an output of the level that is shown. */
+  pin_value(node: string, pin: string): number[] | null;
   /** Index of a link by name or label, or -1. */
   link_index(character: string, name: string): number;
   link_position(character: string, link: number): [number, number, number] | null;
@@ -65,6 +69,21 @@ export function expose_hook(): void {
     frame: () => {
       const f = session.frames.latest;
       return f && { time: f.time, number: f.number, playing: f.playing, simulate: f.simulate, grabbing: f.grabbing, contacts: f.contact_count };
+    },
+    circuit: () => {
+      const { view, edited, path, nodes, problems } = circuit.state;
+      const shown = view?.level.circuit;
+      return shown
+        ? structuredClone({
+            name: shown.name, edited, path: [...path], lsis: shown.lsis ?? [], wires: view.wires.map((w) => `${w.from}.${w.from_pin} > ${w.to}.${w.to_pin}`), notes: shown.notes ?? [], probes: shown.probes ?? [],
+            circuits: (shown.circuits ?? []).map((c) => c.name), selected: [...nodes], problems: problems.map((p) => `${p.lsi}: ${p.message}`), facts: parts.circuit?.facts() ?? null,
+          })
+        : null;
+    },
+    pin_value: (node, pin) => {
+      const flat = circuit.flat_output(node, pin);
+      const value = flat ? session.live.pin(flat) : undefined;
+      return value ? [...value.numbers] : null;
     },
     link_index: (character, name) => mechanism_of(character)?.links.findIndex((l) => l.name === name || l.label === name) ?? -1,
     link_position: (character, link) => {

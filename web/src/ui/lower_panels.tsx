@@ -1,6 +1,5 @@
-/** Naturalness, log and circuit: the tabs beside the scenario. */
-import { useEffect, useLayoutEffect, useMemo, useRef, useState, type ReactElement } from 'react';
-import { lay_out_circuit } from '../core/circuit_layout';
+/** Naturalness and log: tabs beside the scenario. */
+import { useEffect, useLayoutEffect, useRef, type ReactElement } from 'react';
 import { assist_force, body_weight } from '../core/frames';
 import { bar_fraction, grade, measures, shown_value } from '../core/judge';
 import { run } from './actions';
@@ -123,7 +122,9 @@ function AssistCurve({ character }: { character: string }): ReactElement {
 export function LogPanel(): ReactElement {
   const log = useStudio((s) => s.log);
   const end = useRef<HTMLDivElement>(null);
-  useLayoutEffect(() => end.current?.scrollIntoView({ block: 'nearest' }), [log]);
+  useLayoutEffect(() => {
+    end.current?.scrollIntoView({ block: 'nearest' }); // gives a promise in newer browsers, which is no way to end an effect
+  }, [log]);
   if (log.length === 0) return <div className="panel empty">Nothing was logged. Errors and reports of the service appear here.</div>;
   return (
     <div className="panel log" role="log" aria-label="Log">
@@ -135,49 +136,6 @@ export function LogPanel(): ReactElement {
         </div>
       ))}
       <div ref={end} />
-    </div>
-  );
-}
-
-/** The execution circuit as the service runs it, to be looked at. */
-export function CircuitPanel(): ReactElement {
-  const circuit = useStudio((s) => s.circuit);
-  const layout = useMemo(() => (circuit ? lay_out_circuit(circuit) : null), [circuit]);
-  const [hovered, set_hovered] = useState<string | null>(null);
-  const panel = useRef<HTMLDivElement>(null);
-  const [scale, set_scale] = useState(1);
-  useLayoutEffect(() => {
-    const element = panel.current;
-    if (!element || !layout) return;
-    // the whole of it if its words stay readable, else to be scrolled
-    const fit = (): void => set_scale(Math.min(1, Math.max(0.62, Math.min(element.clientHeight / layout.height, element.clientWidth / layout.width))));
-    const observer = new ResizeObserver(fit);
-    observer.observe(element);
-    return () => observer.disconnect();
-  }, [layout]);
-  if (!layout) return <div className="panel empty">The service has not given its circuit.</div>;
-  return (
-    <div ref={panel} className="panel circuit" tabIndex={0}>
-      <svg viewBox={`0 0 ${layout.width} ${layout.height}`} style={{ width: layout.width * scale, height: layout.height * scale, display: 'block' }} role="img" aria-label="The execution circuit">
-        {layout.wires.map((wire, i) => (
-          <path key={i} className={hovered && (wire.from === hovered || wire.to === hovered) ? 'wire lit' : 'wire'} d={wire.path} style={{ stroke: `var(--pin-${wire.hue})` }}>
-            <title>{wire.title}</title>
-          </path>
-        ))}
-        {layout.boxes.map((box) => (
-          <g key={box.id} className="lsi" transform={`translate(${box.x} ${box.y})`} onPointerEnter={() => set_hovered(box.id)} onPointerLeave={() => set_hovered(null)}>
-            <rect width={box.width} height={box.height} rx="5" />
-            <text className="lsi-name" x="12" y="20">{box.name}</text>
-            <text className="lsi-type" x="12" y="35">{box.type}</text>
-            {box.pins.map((pin) => (
-              <g key={`${pin.side} ${pin.name}`} transform={`translate(${pin.side === 'in' ? 0 : box.width} ${pin.y})`}>
-                <circle r="3.500" style={{ fill: `var(--pin-${pin.hue})` }} />
-                <text className="pin" x={pin.side === 'in' ? 9 : -9} y="3.500" textAnchor={pin.side === 'in' ? 'start' : 'end'}>{pin.name}</text>
-              </g>
-            ))}
-          </g>
-        ))}
-      </svg>
     </div>
   );
 }

@@ -1,0 +1,197 @@
+// The wiring editor's side of the service: LSI classes, values of the running circuit, circuits that do not run. With the real player
+// in the interpreter's process.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "../content/fixture.h"
+#include "page.h"
+#include "ugoki/circuit/circuit.h"
+#include "ugoki/circuit/signal_lsis.h"
+#include "ugoki/studio/circuit_watch.h"
+#include "ugoki/studio/studio.h"
+
+namespace ugoki::studio {
+namespace {
+
+using nlohmann::json;
+using test::Page;
+
+/// A clock, and a gain behind it, 100 ticks a second.
+circuit::Interpreter small_circuit(const circuit::Library& library) {
+  const Result<circuit::Circuit> c = circuit::read_circuit(R"({"version": 1, "name": "small",
+    "lsis": [{"id": "t", "type": "clock"}, {"id": "g", "type": "gain", "parameters": {"gain": 3}}], "wires": [{"from": "t.time", "to": "g.in"}]})");
+  Result<circuit::Interpreter> built = circuit::Interpreter::build(*c, library, nullptr, {.dt = 0.01});
+  EXPECT_TRUE(built);
+  return std::move(*built);
+}
+
+const circuit::Library& signal_library() {
+  static const circuit::Library library = [] {
+    circuit::Library all;
+    circuit::add_signal_lsis(all);
+    return all;
+  }();
+  return library;
+}
+
+TEST(CircuitWatch, TellsValuesCurvesAndTimesOfWhatIsWatched) {
+  circuit::Interpreter i = small_circuit(signal_library());
+  CircuitWatch watch;
+  watch.attach(&i);
+  EXPECT_FALSE(watch.dirty()) << "nothing is watched";
+  watch.set({{"g.out", "nobody.out"}, {"t.time"}, true});
+  EXPECT_TRUE(watch.dirty());
+  (void)watch.report(1);
+  EXPECT_FALSE(watch.dirty());
+  for (int k = 0; k < 5; ++k) {
+    ASSERT_TRUE(i.tick());
+    watch.stepped();
+  }
+  const json event = json::parse(watch.report(1.05));
+  EXPECT_EQ(event["event"], "values");
+  EXPECT_NEAR(event["time"], 0.05, 1e-9);
+  ASSERT_EQ(event["pins"].size(), 1u) << event.dump();
+  EXPECT_EQ(event["pins"][0][0], "g.out");
+  EXPECT_NEAR(event["pins"][0][2][0], 3 * 0.04, 1e-6);  // of the last tick
+  ASSERT_EQ(event["probes"].size(), 1u);
+  EXPECT_EQ(event["probes"][0][1].size(), 5u);
+  EXPECT_NEAR(event["probes"][0][2][0][4], 0.04, 1e-6);
+  ASSERT_EQ(event["times"].size(), 2u);
+  double sum = 0;
+  for (const json& t : event["times"]) sum += t[1].get<double>();
+  EXPECT_NEAR(sum, event["tick_us"].get<double>(), 1e-3 * (1 + sum));
+  EXPECT_FALSE(json::parse(watch.report(1.1)).contains("probes")) << "each sample is told once";
+}
+
+TEST(CircuitWatch, ForgetsACircuitThatIsGone) {
+  CircuitWatch watch;
+  {
+    circuit::Interpreter i = small_circuit(signal_library());
+    watch.attach(&i);
+    watch.set({{"g.out"}, {}, true});
+    watch.attach(nullptr);
+  }
+  watch.changed();
+  EXPECT_FALSE(watch.dirty());
+}
+
+class CircuitStudioTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "ugoki-circuit-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    auto project = project::Project::create(folder_ + "/park.ugoki", content::testing::make_scenario(), content::testing::make_resources());
+    ASSERT_TRUE(project) << project.error().text();
+    StudioOptions options;
+    options.library_path = folder_ + "/library.db";
+    options.interpreter = {"/proc/self/exe", {"interpret"}};
+    Result<std::unique_ptr<Studio>> started = Studio::start(options, std::move(*project));
+    ASSERT_TRUE(started) << started.error().text();
+    studio_ = std::move(*started);
+  }
+  void TearDown() override {
+    studio_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+  Page page() { return {studio_->port(), studio_->token()}; }
+  static json edit(const json& changes) {
+    return {{"op", "command"}, {"command", {{"type", "circuit.edit"}, {"label", "Edit"}, {"changes", changes}}}};
+  }
+  static json put(const std::string& list, json item) { return {{"list", list}, {"put", std::move(item)}}; }
+  /// A clock whose time a gain takes.
+  static json clock_and_gain() {
+    return json::array({put("lsis", {{"id", "k"}, {"type", "clock"}}), put("lsis", {{"id", "g"}, {"type", "gain"}}),
+                        put("wires", {{"from", "k.time"}, {"to", "g.in"}})});
+  }
+
+  std::string folder_;
+  std::unique_ptr<Studio> studio_;
+};
+
+TEST_F(CircuitStudioTest, HelloHasTheGeneratedCircuitAndTheLsis) {
+  Page p = page();
+  json hello = p.ask({{"op", "hello"}});
+  EXPECT_TRUE(hello["document"]["circuit"].is_null());
+  EXPECT_EQ(hello["generated_circuit"]["name"], "execution");
+  if (!hello.contains("lsis")) hello["lsis"] = p.event("lsis");
+  bool dynamics = false;
+  for (const json& c : hello["lsis"]["classes"]) dynamics = dynamics || (c["name"] == "dynamics" && c["inputs"].size() >= 4);
+  EXPECT_TRUE(dynamics);
+  EXPECT_EQ(hello["lsis"]["pin_types"][0]["name"], "scalar");
+}
+
+TEST_F(CircuitStudioTest, EditsAreStoredAndUndoneAndTheirValuesAreSeenWhileItPlays) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "watch"}, {"pins", {"g.out"}}, {"probes", {"k.time"}}, {"timing", true}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  const json seen = p.event("values", [](const json& e) { return e["time"] > 0.2 && e.contains("probes") && e.contains("times"); });
+  ASSERT_FALSE(seen.is_null());
+  EXPECT_EQ(seen["pins"][0][0], "g.out");
+  EXPECT_NEAR(seen["pins"][0][2][0].get<double>(), seen["time"].get<double>(), 0.01);
+  (void)p.ask({{"op", "pause"}});
+  const json undone = p.ask({{"op", "undo"}});
+  EXPECT_EQ(undone["label"], "Edit");
+  const json document = p.ask({{"op", "hello"}});
+  EXPECT_TRUE(document["document"]["circuit"].is_null());
+}
+
+TEST_F(CircuitStudioTest, ACircuitThatDoesNotRunSaysWhyAndPlayIsRefused) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  json changes = clock_and_gain();
+  changes.push_back(put("lsis", {{"id", "sum"}, {"type", "add"}}));
+  changes.push_back(put("wires", {{"from", "sum.out"}, {"to", "sum.a"}}));
+  changes.push_back(put("wires", {{"from", "g.out"}, {"to", "sum.b"}}));
+  ASSERT_EQ(p.ask(edit(changes))["ok"], true) << "an unfinished circuit is kept";
+  const json told = p.event("circuit");
+  ASSERT_FALSE(told.is_null());
+  EXPECT_NE(told["problems"][0]["message"].get<std::string>().find("sum.out -> sum.a"), std::string::npos) << told.dump();
+  const json refused = p.ask({{"op", "mode"}, {"mode", "simulate"}});
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_EQ(refused["error"]["problems"], told["problems"]);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["circuit_problems"], told["problems"]);
+  EXPECT_EQ(p.ask({{"op", "seek"}, {"time", 1}})["ok"], true) << "the tracks can still be seen";
+
+  ASSERT_EQ(p.ask(edit(json::array({{{"list", "lsis"}, {"take", "sum"}},
+                                    {{"list", "wires"}, {"take", {{"from", "sum.out"}, {"to", "sum.a"}}}},
+                                    {{"list", "wires"}, {"take", {{"from", "g.out"}, {"to", "sum.b"}}}}})))["ok"],
+            true);
+  EXPECT_TRUE(p.event("circuit")["problems"].empty());
+  EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+}
+
+TEST_F(CircuitStudioTest, MovingAnLsiLeavesTheSimulationAlone) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  ASSERT_FALSE(p.event("transport", [](const json& e) { return e["simulated"] > 0.1; }).is_null());
+  (void)p.ask({{"op", "pause"}});
+  const json before = p.event("transport");
+  ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "g"}, {"type", "gain"}, {"note", "doubles"}, {"at", {300, 40}}}),
+                                    put("notes", {{"id", "n"}, {"text", "hello"}, {"at", {0, 0}}})})))["ok"],
+            true);
+  (void)p.ask({{"op", "watch"}, {"pins", {"k.time"}}, {"probes", json::array()}, {"timing", false}});
+  const json now = p.event("values");
+  EXPECT_GT(now["time"].get<double>(), 0.05) << "it still stands where it was";
+}
+
+TEST_F(CircuitStudioTest, MalformedWatchesAreRefused) {
+  Page p = page();
+  for (const json& bad : {json{{"op", "watch"}}, json{{"op", "watch"}, {"pins", "a"}, {"probes", json::array()}, {"timing", true}},
+                          json{{"op", "watch"}, {"pins", json::array()}, {"probes", json::array()}, {"timing", 1}}})
+    EXPECT_EQ(p.ask(bad)["ok"], false) << bad.dump();
+  EXPECT_EQ(p.ask({{"op", "watch"}, {"pins", {1, nullptr, "no.pin"}}, {"probes", {"x"}}, {"timing", true}})["ok"], true);
+}
+
+}  // namespace
+}  // namespace ugoki::studio

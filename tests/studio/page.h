@@ -1,0 +1,74 @@
+#pragma once
+// A page that talks to the studio, for tests.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client.h"
+#include "fake_simulation.h"
+
+namespace ugoki::studio::test {
+
+class Page {
+ public:
+  Page(std::uint16_t port, const std::string& token) : socket_(port, "/ws?token=" + token) {
+    EXPECT_EQ(socket_.status(), 101);
+    socket_.on_frame = [this](const std::string& bytes) {
+      frames.push_back(parse_frame(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+      EXPECT_TRUE(frames.back().good);
+    };
+    socket_.on_text = [this](const std::string& text) {
+      nlohmann::json message = nlohmann::json::parse(text);
+      if (message.contains("event")) events.push_back(std::move(message));
+    };
+  }
+  /// Sends a request and waits for its reply; events and frames that come before it are kept.
+  nlohmann::json ask(nlohmann::json message) {
+    message["id"] = ++last_;
+    socket_.send_text(message.dump());
+    return reply(last_);
+  }
+  nlohmann::json reply(const nlohmann::json& id) {
+    const auto text = socket_.receive_text([&](const std::string& t) {
+      const nlohmann::json j = nlohmann::json::parse(t);
+      return j.contains("reply") && j["reply"] == id;
+    });
+    return text ? nlohmann::json::parse(*text) : nlohmann::json();
+  }
+  /// The next event of this name that `fits`, from now on.
+  nlohmann::json event(
+      const std::string& name, const std::function<bool(const nlohmann::json&)>& fits = [](const nlohmann::json&) { return true; }) {
+    const auto text = socket_.receive_text([&](const std::string& t) {
+      const nlohmann::json j = nlohmann::json::parse(t);
+      return j.contains("event") && j["event"] == name && fits(j);
+    });
+    return text ? nlohmann::json::parse(*text) : nlohmann::json();
+  }
+  /// Reads until one of the frames since the last frames.clear() `fits`.
+  bool frame(const std::function<bool(const Frame&)>& fits) {
+    for (int i = 0; i < 10'000; ++i) {
+      if (std::ranges::any_of(frames, fits)) return true;
+      const auto message = socket_.receive(20);
+      if (!message) return false;
+      if (message->opcode == 2) socket_.on_frame(message->data);
+      if (message->opcode == 1) socket_.on_text(message->data);
+    }
+    return false;
+  }
+  WebSocket& socket() { return socket_; }
+
+  std::vector<Frame> frames;
+  std::vector<nlohmann::json> events;
+
+ private:
+  WebSocket socket_;
+  int last_ = 0;
+};
+
+}  // namespace ugoki::studio::test

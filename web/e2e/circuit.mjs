@@ -1,0 +1,339 @@
+// The wiring editor by mouse and keyboard. Each journey gets the page as the ones before left it; all names begin with "circuit".
+import assert from 'node:assert/strict';
+import { fileURLToPath } from 'node:url';
+import { ready } from './browser.mjs';
+import { mock } from './service.mjs';
+
+const pictures = fileURLToPath(new URL('./out/', import.meta.url));
+const skip = mock && 'the mock runs no circuit';
+const state = (page) => page.evaluate(() => window.ugoki.circuit());
+const undo = (page) => page.evaluate(() => window.ugoki.undo());
+const ids = async (page) => (await state(page)).lsis.map((l) => l.id);
+
+async function until(page, ask, what, timeout = 20000) {
+  const end = Date.now() + timeout;
+  for (;;) {
+    const now = await state(page);
+    if (now && ask(now)) return now;
+    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${what}; it shows ${JSON.stringify(now)?.slice(0, 600)}`);
+    await page.waitForTimeout(60);
+  }
+}
+/** Waits until the service has the command of this name. */
+async function told(page, label) {
+  const end = Date.now() + 30000;
+  while (!label.test((await undo(page)).undo_label)) {
+    assert.ok(Date.now() < end, `${label}: ${(await undo(page)).undo_label}`);
+    await page.waitForTimeout(60);
+  }
+}
+const middle = (box) => ({ x: box.x + box.width / 2, y: box.y + box.height / 2 });
+async function pin(page, node, name, side) {
+  const box = await page.locator(`[data-lsi="${node}"] [data-pin="${node}.${name}"][data-side="${side}"] .react-flow__handle`).boundingBox();
+  assert.ok(box, `the pin ${node}.${name} is on screen`);
+  return middle(box);
+}
+async function drag(page, from, to) {
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move((from.x + to.x) / 2, (from.y + to.y) / 2 + 6, { steps: 4 });
+  await page.mouse.move(to.x, to.y, { steps: 6 });
+  await page.waitForTimeout(120);
+  await page.mouse.up();
+}
+const head = async (page, node) => {
+  const box = await page.locator(`[data-lsi="${node}"] .lsi-head`).boundingBox();
+  return { x: box.x + 20, y: box.y + box.height / 2 };
+};
+/** A place of the canvas where nothing is, by its share of width and height. */
+async function spot(page, x, y) {
+  const box = await page.locator('.circuit[role=application]').boundingBox();
+  return { x: box.x + box.width * x, y: box.y + box.height * y };
+}
+async function add(page, words, at) {
+  await page.mouse.dblclick(at.x, at.y);
+  await page.locator('.circuit-search input').waitFor();
+  await page.keyboard.type(words);
+  await page.keyboard.press('Enter');
+}
+
+const journeys = [
+  {
+    name: 'circuit: the generated execution circuit is shown with its LSIs, pins and wires',
+    async run({ page, memory }) {
+      await page.locator('.tab', { hasText: 'Circuit' }).click();
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // large
+      const shown = await until(page, (c) => c.lsis.length > 5 && c.facts?.near > 5, 'the circuit');
+      assert.equal(shown.edited, false);
+      assert.ok(shown.lsis.some((l) => l.type === 'dynamics') && shown.wires.includes('status.state > dynamics.state'));
+      await page.waitForTimeout(600);
+      memory.circuit = shown.lsis.length;
+      assert.ok((await page.locator('.lsi').count()) >= 5, 'LSIs are elements');
+      await page.screenshot({ path: `${pictures}circuit-generated.png` });
+    },
+  },
+  {
+    name: 'circuit: LSIs are made by searching, with Tab and with a double click',
+    async run({ page }) {
+      await page.locator('.circuit[role=application]').focus();
+      const at = await spot(page, 0.1, 0.72);
+      await page.mouse.move(at.x, at.y);
+      await page.keyboard.press('Tab');
+      await page.locator('.circuit-search input').waitFor();
+      await page.keyboard.type('clock');
+      await page.screenshot({ path: `${pictures}circuit-search.png` });
+      await page.keyboard.press('Enter');
+      await until(page, (c) => c.edited && c.lsis.some((l) => l.id === 'clock'), 'the clock');
+      await add(page, 'gain', await spot(page, 0.3, 0.72));
+      await until(page, (c) => c.lsis.some((l) => l.id === 'gain'), 'the gain');
+      await told(page, /^Add gain$/);
+    },
+  },
+  {
+    name: 'circuit: two LSIs are wired by dragging, pins that fit light up',
+    async run({ page }) {
+      const from = await pin(page, 'clock', 'time', 'out');
+      const to = await pin(page, 'gain', 'in', 'in');
+      await page.mouse.move(from.x, from.y);
+      await page.mouse.down();
+      await page.mouse.move(from.x + 40, from.y + 10, { steps: 3 });
+      await page.waitForTimeout(150);
+      assert.ok((await page.locator('.pin-row.fits').count()) > 0, 'some pins fit');
+      assert.ok((await page.locator('.pin-row.unfit').count()) > 10, 'others do not');
+      await page.screenshot({ path: `${pictures}circuit-wiring.png` });
+      await page.mouse.move(to.x, to.y, { steps: 6 });
+      await page.mouse.up();
+      await until(page, (c) => c.wires.includes('clock.time > gain.in'), 'the wire');
+      await told(page, /^Wire$/);
+    },
+  },
+  {
+    name: 'circuit: a wire dropped on nothing offers the LSIs that fit, and the chosen one is wired',
+    async run({ page }) {
+      await drag(page, await pin(page, 'gain', 'out', 'out'), await spot(page, 0.5, 0.72));
+      await page.locator('.circuit-search .fits-line').waitFor();
+      assert.match(await page.locator('.fits-line').textContent(), /fits scalar/);
+      const offered = await page.locator('.candidate-name').allTextContents();
+      assert.ok(offered.includes('low-pass') && !offered.includes('constant') && !offered.includes('split vector'), offered.join());
+      await page.keyboard.type('low-pass');
+      await page.screenshot({ path: `${pictures}circuit-drop.png` });
+      await page.keyboard.press('Enter');
+      await until(page, (c) => c.wires.includes('gain.out > low-pass.in'), 'the wired filter');
+    },
+  },
+  {
+    name: 'circuit: a wrong wire is refused and says why',
+    async run({ page }) {
+      const before = (await state(page)).wires.length;
+      await add(page, 'split vector', await spot(page, 0.5, 0.9));
+      await until(page, (c) => c.lsis.some((l) => l.id === 'split-vector'), 'the splitter');
+      await page.waitForTimeout(200);
+      await drag(page, await pin(page, 'gain', 'out', 'out'), await pin(page, 'split-vector', 'in', 'in'));
+      await page.locator('.refusal').waitFor();
+      assert.match(await page.locator('.refusal').textContent(), /carries scalar.*takes vector/);
+      await page.screenshot({ path: `${pictures}circuit-refused.png` });
+      assert.equal((await state(page)).wires.length, before);
+      await page.locator('.circuit[role=application]').focus();
+      await page.keyboard.press('Delete');
+      await until(page, (c) => !c.lsis.some((l) => l.id === 'split-vector'), 'it to be deleted');
+    },
+  },
+  {
+    name: 'circuit: moving is one command; undo and redo',
+    async run({ page }) {
+      const before = (await state(page)).lsis.find((l) => l.id === 'gain').at;
+      const from = await head(page, 'gain');
+      await drag(page, from, { x: from.x + 60, y: from.y + 50 });
+      const after = await until(page, (c) => String(c.lsis.find((l) => l.id === 'gain').at) !== String(before), 'the new place');
+      const at = after.lsis.find((l) => l.id === 'gain').at;
+      assert.ok(at[0] > before[0] + 20 && at.every((v) => v % 10 === 0), `on the grid: ${at}`);
+      await told(page, /Move “gain”/);
+      await page.keyboard.press('Control+z');
+      await until(page, (c) => String(c.lsis.find((l) => l.id === 'gain').at) === String(before), 'undo');
+      await page.keyboard.press('Control+Shift+z');
+      await until(page, (c) => String(c.lsis.find((l) => l.id === 'gain').at) === String(at), 'redo');
+    },
+  },
+  {
+    name: 'circuit: values are alive while it plays, and a probe draws its curve',
+    async run({ page }) {
+      const at = await pin(page, 'low-pass', 'out', 'out');
+      await page.mouse.click(at.x, at.y, { button: 'right' });
+      await page.getByRole('menuitem', { name: 'Probe' }).click();
+      await until(page, (c) => c.probes.length === 1 && c.probes[0].pin === 'low-pass.out', 'the probe');
+      await page.getByRole('radio', { name: 'Simulate' }).click();
+      await page.waitForTimeout(400);
+      await page.getByRole('button', { name: 'Play' }).click();
+      const value = () => page.evaluate(() => window.ugoki.pin_value('clock', 'time')?.[0]);
+      const end = Date.now() + 30000;
+      while (!((await value()) > 0.2)) {
+        assert.ok(Date.now() < end, `the clock's pin shows the time: ${await value()}`);
+        await page.waitForTimeout(80);
+      }
+      const first = await value();
+      await page.waitForTimeout(1500);
+      assert.ok((await value()) > first, 'and goes on');
+      assert.ok((await state(page)).facts.values > 5, 'values are drawn');
+      assert.match(await page.locator('.fact .tick').textContent(), /(µs|ms|ns) a tick/);
+      assert.match(await page.locator('.probe-value').textContent(), /\d/);
+      assert.ok((await page.locator('.probe canvas').count()) === 1, 'the curve');
+      await page.screenshot({ path: `${pictures}circuit-playing.png` });
+      await page.getByRole('button', { name: 'Pause' }).click();
+    },
+  },
+  {
+    name: 'circuit: parameters are set in the inspector, as declared',
+    async run({ page }) {
+      const at = await head(page, 'gain');
+      await page.mouse.click(at.x, at.y);
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // small again: the inspector is beside it
+      const field = page.locator('.inspector').getByRole('textbox', { name: 'gain' });
+      await field.fill('2.5');
+      await page.keyboard.press('Enter');
+      await until(page, (c) => c.lsis.find((l) => l.id === 'gain').parameters?.gain === 2.5, 'the parameter');
+      await page.screenshot({ path: `${pictures}circuit-inspector.png` });
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick();
+      await page.waitForTimeout(300);
+    },
+  },
+  {
+    name: 'circuit: a selection is grouped, entered, left and ungrouped',
+    async run({ page }) {
+      const before = (await state(page)).wires.slice().sort();
+      const from = await head(page, 'gain');
+      await page.mouse.click(from.x, from.y);
+      const other = await head(page, 'low-pass');
+      await page.keyboard.down('Shift');
+      await page.mouse.click(other.x, other.y);
+      await page.keyboard.up('Shift');
+      await until(page, (c) => c.selected.length === 2, 'both selected');
+      await page.keyboard.press('Control+g');
+      const grouped = await until(page, (c) => c.lsis.some((l) => l.id === 'group') && !c.lsis.some((l) => l.id === 'gain'), 'the group');
+      assert.ok(grouped.wires.includes('clock.time > group.in') && grouped.circuits.includes('group'));
+      await page.waitForTimeout(300);
+      const at = await head(page, 'group');
+      await page.mouse.dblclick(at.x, at.y);
+      await until(page, (c) => c.path.join() === 'group' && c.lsis.length === 2, 'its inside');
+      await page.waitForTimeout(400);
+      await page.screenshot({ path: `${pictures}circuit-inside.png` });
+      await page.locator('.crumbs button').first().click();
+      await until(page, (c) => c.path.length === 0 && c.selected.join() === 'group', 'the way out');
+      await page.locator('.circuit[role=application]').focus();
+      await page.keyboard.press('Control+Shift+g');
+      const flat = await until(page, (c) => c.lsis.some((l) => l.id === 'low-pass'), 'what was inside');
+      assert.deepEqual(flat.wires.slice().sort(), before);
+    },
+  },
+  {
+    name: 'circuit: a circle of values is shown where it is, and a delay mends it',
+    async run({ page }) {
+      await page.locator('.circuit[role=application]').focus();
+      await page.keyboard.press('a');
+      await page.waitForTimeout(300);
+      await page.mouse.click((await spot(page, 0.5, 0.97)).x, (await spot(page, 0.5, 0.97)).y);
+      await add(page, 'add', await spot(page, 0.62, 0.93));
+      await until(page, (c) => c.lsis.some((l) => l.id === 'add'), 'the adder');
+      await page.waitForTimeout(250);
+      await drag(page, await pin(page, 'low-pass', 'out', 'out'), await pin(page, 'add', 'a', 'in'));
+      await drag(page, await pin(page, 'add', 'out', 'out'), await pin(page, 'add', 'b', 'in'));
+      await until(page, (c) => c.problems.some((p) => /circle within one tick/.test(p)), 'the problem');
+      await page.locator('.problem-bubble', { hasText: 'circle' }).waitFor();
+      await page.getByRole('button', { name: 'Play' }).click();
+      await page.locator('.toast.error', { hasText: 'circle' }).first().waitFor();
+      await page.screenshot({ path: `${pictures}circuit-loop.png` });
+      await page.locator('.toast.error').first().getByRole('button', { name: 'Dismiss' }).click();
+      await page.locator('.problem-bubble button', { hasText: 'Insert delay' }).click();
+      await until(page, (c) => c.problems.length === 0 && c.wires.includes('delay.out > add.b'), 'it to run again');
+    },
+  },
+  {
+    name: 'circuit: copy, paste and delete',
+    async run({ page }) {
+      const at = await head(page, 'gain');
+      await page.mouse.click(at.x, at.y);
+      await page.keyboard.press('Control+c');
+      const to = await spot(page, 0.8, 0.85);
+      await page.mouse.move(to.x, to.y);
+      await page.keyboard.press('Control+v');
+      await until(page, (c) => c.lsis.some((l) => l.id === 'gain-2' && l.parameters.gain === 2.5), 'the copy');
+      await page.keyboard.press('Control+d');
+      await until(page, (c) => c.lsis.some((l) => l.id === 'gain-3'), 'the duplicate');
+      await page.keyboard.press('Delete');
+      await until(page, (c) => !c.lsis.some((l) => l.id === 'gain-3'), 'it to be gone');
+      await page.keyboard.press('Control+z');
+      await page.keyboard.press('Control+z');
+      await until(page, (c) => !c.lsis.some((l) => l.id === 'gain-3') && c.lsis.some((l) => l.id === 'gain-2'), 'two undone');
+      await page.keyboard.press('Control+z');
+      await until(page, (c) => !c.lsis.some((l) => l.id === 'gain-2') && c.problems.length === 0, 'the paste undone');
+    },
+  },
+  {
+    name: 'circuit: with the keyboard alone',
+    async run({ page }) {
+      await page.locator('.circuit[role=application]').focus();
+      await page.mouse.move(5, 5);
+      await page.keyboard.press('Tab');
+      await page.keyboard.type('constant');
+      await page.keyboard.press('Enter');
+      await until(page, (c) => c.selected.join() === 'constant', 'the constant');
+      await page.keyboard.press('Enter');
+      await page.keyboard.press('Enter');
+      await page.locator('.pin-row.target').waitFor();
+      const target = await page.locator('.pin-row.target').getAttribute('data-pin');
+      await page.keyboard.press('Enter');
+      await until(page, (c) => c.wires.includes(`constant.out > ${target}`), `the wire to ${target}`);
+      await page.keyboard.press('Escape');
+      await page.keyboard.press('Control+z');
+      await page.keyboard.press('Control+z');
+      await until(page, (c) => !c.lsis.some((l) => l.id === 'constant'), 'both undone');
+      assert.match(await page.locator('.circuit [role=status]').textContent(), /./);
+    },
+  },
+  {
+    name: 'circuit: auto-layout, and a note',
+    async run({ page }) {
+      await page.locator('.circuit[role=application]').focus();
+      await page.keyboard.press('Escape');
+      await page.keyboard.press('Escape');
+      await page.keyboard.press('Shift+l');
+      await told(page, /^Lay out$/);
+      await page.waitForTimeout(500);
+      const to = await spot(page, 0.06, 0.86);
+      await page.mouse.move(to.x, to.y);
+      await page.keyboard.press('n');
+      await page.locator('.note textarea').waitFor();
+      await page.keyboard.type('Filtered time, to see that the circuit is alive.');
+      await page.keyboard.press('Control+Enter');
+      await until(page, (c) => /alive/.test(c.notes[0]?.text ?? ''), 'the note');
+      await page.screenshot({ path: `${pictures}circuit-layout.png` });
+    },
+  },
+  {
+    name: 'circuit: saved, and everything is there after the page was loaded again',
+    async run({ page }) {
+      await page.keyboard.press('Control+s');
+      await page.waitForTimeout(500);
+      const before = await state(page);
+      await page.locator('.tab', { hasText: 'Circuit' }).dblclick(); // small: the viewport is seen
+      await page.waitForTimeout(700);
+      await page.reload();
+      await ready(page);
+      const after = await until(page, (c) => c.lsis.length === before.lsis.length, 'the circuit');
+      for (const key of ['lsis', 'wires', 'notes', 'probes', 'circuits', 'edited']) assert.deepEqual(after[key], before[key], key);
+    },
+  },
+  {
+    name: 'circuit: reset to the generated one is a command',
+    async run({ page, memory }) {
+      await page.locator('.tab', { hasText: 'Circuit' }).click();
+      await until(page, (c) => c.facts !== null, 'the canvas');
+      await page.getByRole('button', { name: 'Reset to generated' }).click();
+      await until(page, (c) => !c.edited && c.lsis.length === memory.circuit, 'the generated circuit');
+      await told(page, /^Use default circuit$/);
+      await page.locator('.tab', { hasText: 'Scenario' }).click();
+      assert.ok(!(await ids(page)).includes('gain'));
+    },
+  },
+];
+
+export const circuit_journeys = journeys.map((journey) => ({ ...journey, skip }));
