@@ -157,7 +157,7 @@ Result<std::string> LibraryService::import(std::string_view file_name, std::stri
   const std::optional<intake::FileKind> kind = intake::file_kind(file_name);
   if (!kind) {
     return fail(ErrorCode::unsupported, file_name.empty() ? "name" : std::string(file_name), "Files of this kind cannot be imported.",
-                "Import BVH, AMC (with its ASF), or a mechanism's JSON; the name must have that ending.");
+                "Import BVH, AMC (with its ASF), C3D, TRC, GLB, a mechanism's JSON, URDF, SDF or MJCF; the name must have that ending.");
   }
   if (*kind == intake::FileKind::asf) return import_skeleton(file_name, bytes);
 
