@@ -223,7 +223,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
     if (u.lsi_class->advance) m.advances.push_back(job(u.lsi_class->advance, u.delayed_numbers));
   }
   for (const std::uint32_t end : plan.wave_ends) {
-    const auto jobs = static_cast<std::uint32_t>(std::count_if(m.order.begin(), m.order.begin() + end, [&](int i) {
+    const auto jobs = static_cast<std::uint32_t>(std::count_if(m.order.data(), m.order.data() + end, [&](int i) {
       const Unit& u = m.units[static_cast<std::size_t>(i)];
       return u.lsi_class->step && u.every != 0;
     }));

@@ -345,7 +345,7 @@ void Interpreter::set_executor(Executor* executor) {
     };
     std::uint32_t begin = 0;
     for (const std::uint32_t end : m.wave_ends) {
-      add(m.steps.begin() + begin, m.steps.begin() + end);
+      add(m.steps.data() + begin, m.steps.data() + end);
       begin = end;
     }
     add(m.advances.begin(), m.advances.end());
