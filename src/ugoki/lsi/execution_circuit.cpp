@@ -31,7 +31,7 @@ class Maker {
     const double middle = figures > 1 ? row * static_cast<double>(figures - 1) / 2 : 0;
     add("event", "event", 0, middle);
     add("status", "status", 1, middle);
-    add("collision", "collision analysis", 2, middle);
+    add("collision", "collision analysis", 1, middle + 140);
     add("dynamics", "dynamics", 6, middle);
     add("display", "display", 7, middle).every = 0;
     wire("event.events", "dynamics.events");
