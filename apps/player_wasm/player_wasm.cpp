@@ -18,7 +18,7 @@
 
 #include "ugoki/content/player.h"
 
-#define UGOKI_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
+#define PLAYER_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
 
 namespace {
 
@@ -36,10 +36,10 @@ Session& session() {
 
 }  // namespace
 
-UGOKI_EXPORT(ugoki_allocate) void* ugoki_allocate(std::uint32_t size) { return std::malloc(size); }
-UGOKI_EXPORT(ugoki_release) void ugoki_release(void* address) { std::free(address); }
+PLAYER_EXPORT(ugoki_allocate) void* ugoki_allocate(std::uint32_t size) { return std::malloc(size); }
+PLAYER_EXPORT(ugoki_release) void ugoki_release(void* address) { std::free(address); }
 
-UGOKI_EXPORT(ugoki_open) std::int32_t ugoki_open(const std::byte* bytes, std::uint32_t size) {
+PLAYER_EXPORT(ugoki_open) std::int32_t ugoki_open(const std::byte* bytes, std::uint32_t size) {
   Session& s = session();
   s.player.reset();
   s.message.clear();
@@ -52,7 +52,7 @@ UGOKI_EXPORT(ugoki_open) std::int32_t ugoki_open(const std::byte* bytes, std::ui
   return 1;
 }
 
-UGOKI_EXPORT(ugoki_step) std::uint32_t ugoki_step(std::uint32_t count) {
+PLAYER_EXPORT(ugoki_step) std::uint32_t ugoki_step(std::uint32_t count) {
   Session& s = session();
   if (!s.player) return 0;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -64,43 +64,43 @@ UGOKI_EXPORT(ugoki_step) std::uint32_t ugoki_step(std::uint32_t count) {
   return count;
 }
 
-UGOKI_EXPORT(ugoki_reset) void ugoki_reset() {
+PLAYER_EXPORT(ugoki_reset) void ugoki_reset() {
   if (session().player) session().player->reset();
 }
-UGOKI_EXPORT(ugoki_time) double ugoki_time() { return session().player ? session().player->time() : 0; }
-UGOKI_EXPORT(ugoki_step_size) double ugoki_step_size() { return session().player ? session().player->step_size() : 0; }
-UGOKI_EXPORT(ugoki_duration) double ugoki_duration() { return session().player ? session().player->content().duration : 0; }
-UGOKI_EXPORT(ugoki_frame_rate) double ugoki_frame_rate() { return session().player ? session().player->content().frame_rate : 0; }
+PLAYER_EXPORT(ugoki_time) double ugoki_time() { return session().player ? session().player->time() : 0; }
+PLAYER_EXPORT(ugoki_step_size) double ugoki_step_size() { return session().player ? session().player->step_size() : 0; }
+PLAYER_EXPORT(ugoki_duration) double ugoki_duration() { return session().player ? session().player->content().duration : 0; }
+PLAYER_EXPORT(ugoki_frame_rate) double ugoki_frame_rate() { return session().player ? session().player->content().frame_rate : 0; }
 
-UGOKI_EXPORT(ugoki_hash_low) std::uint32_t ugoki_hash_low() {
+PLAYER_EXPORT(ugoki_hash_low) std::uint32_t ugoki_hash_low() {
   return session().player ? static_cast<std::uint32_t>(session().player->state_hash()) : 0;
 }
-UGOKI_EXPORT(ugoki_hash_high) std::uint32_t ugoki_hash_high() {
+PLAYER_EXPORT(ugoki_hash_high) std::uint32_t ugoki_hash_high() {
   return session().player ? static_cast<std::uint32_t>(session().player->state_hash() >> 32) : 0;
 }
 
-UGOKI_EXPORT(ugoki_frame) const std::byte* ugoki_frame(std::uint32_t number, std::uint32_t flags) {
+PLAYER_EXPORT(ugoki_frame) const std::byte* ugoki_frame(std::uint32_t number, std::uint32_t flags) {
   Session& s = session();
   if (!s.player) return nullptr;
   s.player->display_frame(s.frame);
   ugoki::content::encode_frame(s.frame, number, flags, s.bytes);
   return s.bytes.data();
 }
-UGOKI_EXPORT(ugoki_frame_size) std::uint32_t ugoki_frame_size() { return static_cast<std::uint32_t>(session().bytes.size()); }
+PLAYER_EXPORT(ugoki_frame_size) std::uint32_t ugoki_frame_size() { return static_cast<std::uint32_t>(session().bytes.size()); }
 
-UGOKI_EXPORT(ugoki_push) void ugoki_push(std::int32_t character, std::int32_t link, double x, double y, double z, double duration) {
+PLAYER_EXPORT(ugoki_push) void ugoki_push(std::int32_t character, std::int32_t link, double x, double y, double z, double duration) {
   if (session().player) session().player->push(character, link, {x, y, z}, duration);
 }
-UGOKI_EXPORT(ugoki_grab)
+PLAYER_EXPORT(ugoki_grab)
 void ugoki_grab(std::int32_t character, std::int32_t link, double px, double py, double pz, double tx, double ty, double tz) {
   if (session().player) session().player->grab(character, link, {px, py, pz}, {tx, ty, tz});
 }
-UGOKI_EXPORT(ugoki_drag) void ugoki_drag(double x, double y, double z) {
+PLAYER_EXPORT(ugoki_drag) void ugoki_drag(double x, double y, double z) {
   if (session().player) session().player->drag({x, y, z});
 }
-UGOKI_EXPORT(ugoki_let_go) void ugoki_let_go() {
+PLAYER_EXPORT(ugoki_let_go) void ugoki_let_go() {
   if (session().player) session().player->release();
 }
 
-UGOKI_EXPORT(ugoki_message) const char* ugoki_message() { return session().message.data(); }
-UGOKI_EXPORT(ugoki_message_size) std::uint32_t ugoki_message_size() { return static_cast<std::uint32_t>(session().message.size()); }
+PLAYER_EXPORT(ugoki_message) const char* ugoki_message() { return session().message.data(); }
+PLAYER_EXPORT(ugoki_message_size) std::uint32_t ugoki_message_size() { return static_cast<std::uint32_t>(session().message.size()); }
