@@ -311,13 +311,19 @@ void VelocitySolver::find_islands() {
 }
 
 void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
-  constexpr int patience = 12;  // sweeps before Newton's method is tried, and between tries
-  double change = 0, tolerance = options.tolerance;
+  constexpr int round = 12, most_rounds = 6;  // sweeps before it is asked whether to go on; rounds for which sweeping is the cheaper way
+  double change = 0, tolerance = options.tolerance, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
     change = sweep(island, (sweeps & 1) != 0);
     report.sweeps = std::max(report.sweeps, sweeps);
     if (change < tolerance || sweeps >= options.iterations) break;
-    if (sweeps % patience != 0 || tolerance == options.coarse) continue;
+    if (sweeps % round != 0 || tolerance == options.coarse) continue;
+    // At the present rate, is it done in a few more rounds?
+    const double rate = change / before;
+    double then = change;
+    before = change;
+    for (int k = 0; k < most_rounds && then >= tolerance; ++k) then *= rate;
+    if (sweeps == round || then < tolerance) continue;
     if (order_systems(island)) {
       report.newton_steps += newton(island, change, tolerance);
     } else {
