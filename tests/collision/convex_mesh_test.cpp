@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "allocation_count.h"
-#include "meshes.h"
+#include "mesh_trees.h"
 #include "ugoki/collision/triangle_distance.h"
 
 namespace ugoki::collision {
@@ -16,12 +16,7 @@ namespace {
 
 using test::Mesh;
 using test::Random;
-
-SphereTree tree_of(const Mesh& m) {
-  Result<SphereTree> made = make_sphere_tree(m.vertices, m.triangles);
-  EXPECT_TRUE(made.has_value()) << made.error().text();
-  return made ? std::move(*made) : SphereTree{};
-}
+using test::tree_of;
 
 Support random_shape(Random& random, double scale) {
   const auto r = [&] { return scale * random.in(0.05, 0.4); };

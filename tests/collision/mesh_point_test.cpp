@@ -9,19 +9,14 @@
 #include <limits>
 
 #include "allocation_count.h"
-#include "meshes.h"
+#include "mesh_trees.h"
 
 namespace ugoki::collision {
 namespace {
 
 using test::Mesh;
 using test::Random;
-
-SphereTree tree_of(const Mesh& m) {
-  Result<SphereTree> made = make_sphere_tree(m.vertices, m.triangles);
-  EXPECT_TRUE(made.has_value()) << made.error().text();
-  return made ? std::move(*made) : SphereTree{};
-}
+using test::tree_of;
 
 /// Solid angle of the surface over 4 pi. Source: van Oosterom, Strackee (1983).
 double winding(const Mesh& m, const Vec3& p) {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-#include "meshes.h"
+#include "mesh_trees.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/collision/triangle_distance.h"
 
@@ -17,12 +17,7 @@ namespace {
 
 using test::Mesh;
 using test::Random;
-
-SphereTree tree_of(const Mesh& m) {
-  Result<SphereTree> made = make_sphere_tree(m.vertices, m.triangles);
-  EXPECT_TRUE(made.has_value()) << made.error().text();
-  return made ? std::move(*made) : SphereTree{};
-}
+using test::tree_of;
 
 std::size_t at(std::int32_t i) { return static_cast<std::size_t>(i); }
 

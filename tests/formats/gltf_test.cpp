@@ -73,13 +73,14 @@ TEST(Gltf, StepsHoldAndCubicsFollowTheirTangents) {
   ASSERT_TRUE(step.has_value());
   expect_near(hand_at((*step)[0], 3), {0, -2, 1}, 1e-6, "held");
   expect_near(hand_at((*step)[0], 4), {0, -4, 1}, 1e-6, "next");
-  // In-tangent, value, out-tangent of each key; y goes from 0 with slope 1 to 0 with slope 0: y(s) = s (1 - s)^2.
+  // In-tangent, value, out-tangent of each key. In the first second y leaves 0 with slope 1: s (1 - s)^2; z arrives at 0 with slope 1: s^2
+  // (s - 1).
   const auto cubic = read(
-      arm("CUBICSPLINE", "translation", {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}), {.rate = 4});
+      arm("CUBICSPLINE", "translation", {0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}), {.rate = 4});
   ASSERT_TRUE(cubic.has_value()) << text_of(cubic.error());
   for (int f = 0; f <= 4; ++f) {
     const double s = f / 4.0;
-    expect_near(hand_at((*cubic)[0], f), {0, -s * (1 - s) * (1 - s), 1}, 1e-6, "cubic");
+    expect_near(hand_at((*cubic)[0], f), {s * s * (s - 1), -s * (1 - s) * (1 - s), 1}, 1e-6, "cubic");
   }
 }
 
@@ -94,14 +95,18 @@ TEST(Gltf, RotationsTurnAlongTheShortestArc) {
 }
 
 TEST(Gltf, WhatIsWrittenIsReadBack) {
-  const auto m = read(arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), {.rate = 10});
-  ASSERT_TRUE(m.has_value());
-  const std::vector<std::byte> bytes = write_glb((*m)[0]);
-  EXPECT_EQ(bytes.size() % 4, 0U);
-  const auto back = read_gltf(bytes, "arm.glb");
-  ASSERT_TRUE(back.has_value()) << text_of(back.error());
-  EXPECT_EQ((*back)[0].rate, 10);
-  EXPECT_LT(greatest_distance((*m)[0], (*back)[0], 1), 1e-6);
+  const float h = 0.70710678f;
+  for (const std::string& text :
+       {arm("LINEAR", "translation", {0, 2, 0, 0, 4, 0, 1, 4, 0}), arm("LINEAR", "rotation", {0, 0, 0, 1, h, 0, 0, h, 0, h, 0, h})}) {
+    const auto m = read(text, {.rate = 10});
+    ASSERT_TRUE(m.has_value());
+    const std::vector<std::byte> bytes = write_glb((*m)[0]);
+    EXPECT_EQ(bytes.size() % 4, 0U);
+    const auto back = read_gltf(bytes, "arm.glb");
+    ASSERT_TRUE(back.has_value()) << text_of(back.error());
+    EXPECT_EQ((*back)[0].rate, 10);
+    EXPECT_LT(greatest_distance((*m)[0], (*back)[0], 1), 1e-6);
+  }
 }
 
 TEST(Gltf, BrokenFilesAreRefusedWithPlaceAndRemedy) {
