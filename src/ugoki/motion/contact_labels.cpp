@@ -73,36 +73,39 @@ std::vector<int> find_feet(const Mechanism& mechanism) {
   return feet;
 }
 
+std::vector<std::uint8_t> find_contact(std::span<const std::vector<Pose>> poses, double rate, std::span<const LinkPoint> places,
+                                       const ContactLabelOptions& o) {
+  const int frames = static_cast<int>(poses.size());
+  const int reach = std::max(1, static_cast<int>(o.span * rate + 0.5));
+  std::vector<std::uint8_t> on(poses.size(), 0);
+  bool bears = false;
+  for (int f = 0; f < frames; ++f) {
+    const int before = std::max(0, f - reach), after = std::min(frames - 1, f + reach);
+    const double dt = std::max(1, after - before) / rate;
+    const double high = bears ? o.height_off : o.height_on, fast = bears ? o.speed_off : o.speed_on;
+    bears = std::any_of(places.begin(), places.end(), [&](const LinkPoint& at_link) {
+      const SupportPoint& s = at_link.place;
+      const auto pose = [&](int frame) -> const Pose& { return poses[at(frame)][at(at_link.link)]; };
+      if ((pose(f) * s.p).z - s.radius - o.ground > high) return false;
+      // The material point of a rolling sphere that touches is still: take the velocity of its lowest point.
+      const Vec3 low = transpose_times(pose(f).R, Vec3{0, 0, -s.radius});
+      return norm(pose(after) * (s.p + low) - pose(before) * (s.p + low)) / dt < fast;
+    });
+    on[at(f)] = bears ? 1 : 0;
+  }
+  remove_short_runs(on, 0, static_cast<int>(o.least_gap * rate + 0.5), false);
+  remove_short_runs(on, 1, static_cast<int>(o.least_contact * rate + 0.5), false);
+  return on;
+}
+
 void label_contacts(const Mechanism& mechanism, Motion& motion, std::span<const int> links, const ContactLabelOptions& o) {
   motion.contacts.clear();
-  const int frames = motion.frames;
-  std::vector<Pose> X(at(mechanism.link_count()));
-  std::vector<std::vector<Pose>> paths(links.size());
-  for (int f = 0; f < frames; ++f) {
-    calc_poses(mechanism, std::span(motion.frame(f), at(motion.nq)), X);
-    for (std::size_t k = 0; k < links.size(); ++k) paths[k].push_back(X[at(links[k])]);
-  }
-  for (std::size_t k = 0; k < links.size(); ++k) {
-    const std::vector<SupportPoint> points = support_points(mechanism.link(links[k]));
-    ContactTrack track;
-    track.link = mechanism.link(links[k]).name;
-    track.on.assign(at(frames), 0);
-    bool bears = false;
-    for (int f = 0; f < frames; ++f) {
-      const int before = std::max(0, f - 1), after = std::min(frames - 1, f + 1);
-      const double dt = std::max(1, after - before) / motion.rate;
-      const double high = bears ? o.height_off : o.height_on, fast = bears ? o.speed_off : o.speed_on;
-      bears = std::any_of(points.begin(), points.end(), [&](const SupportPoint& s) {
-        if ((paths[k][at(f)] * s.p).z - s.radius - o.ground > high) return false;
-        // The material point of a rolling sphere that touches is still: take the velocity of its lowest point.
-        const Vec3 low = transpose_times(paths[k][at(f)].R, Vec3{0, 0, -s.radius});
-        return norm(paths[k][at(after)] * (s.p + low) - paths[k][at(before)] * (s.p + low)) / dt < fast;
-      });
-      track.on[at(f)] = bears ? 1 : 0;
-    }
-    remove_short_runs(track.on, 0, static_cast<int>(o.least_gap * motion.rate + 0.5), false);
-    remove_short_runs(track.on, 1, static_cast<int>(o.least_contact * motion.rate + 0.5), false);
-    motion.contacts.push_back(std::move(track));
+  std::vector<std::vector<Pose>> poses(at(motion.frames), std::vector<Pose>(at(mechanism.link_count())));
+  for (int f = 0; f < motion.frames; ++f) calc_poses(mechanism, std::span(motion.frame(f), at(motion.nq)), poses[at(f)]);
+  for (const int link : links) {
+    std::vector<LinkPoint> places;
+    for (const SupportPoint& s : support_points(mechanism.link(link))) places.push_back({link, s});
+    motion.contacts.push_back({mechanism.link(link).name, find_contact(poses, motion.rate, places, o)});
   }
 }
 

@@ -26,9 +26,21 @@ struct ContactLabelOptions {
   double speed_on = 0.35;       ///< m/s: ... and slower than this starts a contact,
   double height_off = 0.045;    ///< which lasts while a point is below this ...
   double speed_off = 0.6;       ///< ... and slower than this
+  double span = 0;              ///< s on both sides over which speed is measured; at least one frame
   double least_contact = 0.05;  ///< s: shorter contacts are none
   double least_gap = 0.04;      ///< s: shorter gaps are none
 };
+
+/// A place on one of the mechanism's links.
+struct LinkPoint {
+  int link = 0;
+  SupportPoint place;  ///< in the link's frame
+};
+
+/// Frames in which any of the places bears on the ground: one that is low and slow, with hysteresis. [frames]
+/// @param poses [frames][links] of all links
+[[nodiscard]] std::vector<std::uint8_t> find_contact(std::span<const std::vector<Pose>> poses, double rate,
+                                                     std::span<const LinkPoint> places, const ContactLabelOptions& options = {});
 
 /// Labels the contacts of the given links in motion.contacts, one track a link, in this order. A link bears on the ground
 /// while one of its support points is low and slow (with hysteresis), so heel strike, flat foot, and roll over the toes

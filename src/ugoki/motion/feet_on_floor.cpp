@@ -1,11 +1,11 @@
 #include "ugoki/motion/feet_on_floor.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
+#include "ugoki/motion/limb_reach.h"
 
 namespace ugoki {
 namespace {
@@ -13,8 +13,6 @@ namespace {
 constexpr double root_time = 0.1;    // s in which the root follows what the standing feet have in common
 constexpr double foot_time = 0.03;   // s in which a foot follows its own correction
 constexpr double still_speed = 0.2;  // m/s upwards or downwards: a foot that is slower counts fully as standing
-constexpr double damping = 0.02;     // m: a straight leg is not bent for less
-constexpr double lever = 0.3;        // m: an error of the foot's orientation counts as one of its place at this distance
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -120,69 +118,6 @@ std::vector<double> lift_of_foot(const Foot& foot, std::span<const double> root,
   return lift;
 }
 
-/// Solves the symmetric positive definite A x = b in place.
-void solve_spd(std::array<std::array<double, 6>, 6>& A, std::array<double, 6>& b) {
-  for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = i + 1; j < 6; ++j) {
-      const double factor = A[j][i] / A[i][i];
-      for (std::size_t k = i; k < 6; ++k) A[j][k] -= factor * A[i][k];
-      b[j] -= factor * b[i];
-    }
-  for (std::size_t i = 6; i-- > 0;) {
-    for (std::size_t k = i + 1; k < 6; ++k) b[i] -= A[i][k] * b[k];
-    b[i] /= A[i][i];
-  }
-}
-
-/// Moves the limb's joints so that its foot comes to X_goal as nearly as damping lets it. @param q coordinates of one frame
-/// @param X_WB poses of all links at q, kept up to date for the limb
-void reach(const Mechanism& m, const Foot& foot, const Pose& X_goal, double* q, std::span<Pose> X_WB) {
-  struct Column {
-    const Link* link;
-    std::array<double, 6> J;  // place of the foot, then its orientation times the lever
-  };
-  std::vector<Column> columns;
-  for (int iteration = 0; iteration < 6; ++iteration) {
-    const Pose& X_WF = X_WB[at(foot.link)];
-    const Vec3 place = X_goal.p - X_WF.p, turn = log_map(to_quat(X_goal.R * X_WF.R.transposed())) * lever;
-    if (dot(place, place) + dot(turn, turn) < 1e-10) return;
-    columns.clear();
-    for (const int i : foot.limb) {
-      const Link& link = m.link(i);
-      const Pose& X = X_WB[at(i)];
-      Vec6 S[6];
-      for (int k = 0, n = joint_subspace(link.joint, q + link.q_index, S); k < n; ++k) {
-        const Vec3 w = X.R * S[k].w, v = X.R * S[k].v + cross(w, X_WF.p - X.p);
-        columns.push_back({&link, {v.x, v.y, v.z, lever * w.x, lever * w.y, lever * w.z}});
-      }
-    }
-    std::array<double, 6> y = {place.x, place.y, place.z, turn.x, turn.y, turn.z};
-    std::array<std::array<double, 6>, 6> A{};
-    for (std::size_t r = 0; r < 6; ++r) {
-      A[r][r] = damping * damping;
-      for (std::size_t s = 0; s < 6; ++s)
-        for (const Column& c : columns) A[r][s] += c.J[r] * c.J[s];
-    }
-    solve_spd(A, y);
-    for (auto c = columns.begin(); c != columns.end();) {
-      const Link& link = *c->link;
-      const Joint& joint = link.joint;
-      double step[6] = {0, 0, 0, 0, 0, 0};
-      for (int k = 0; k < joint.nv(); ++k, ++c)
-        for (std::size_t r = 0; r < 6; ++r) step[k] += c->J[r] * y[r];
-      double* own = q + link.q_index;
-      const double before = own[0];
-      joint_integrate(joint, own, step, 1.0, own);
-      if (joint.type == JointType::revolute)  // a hinge is not led beyond its limit, and not back from where it was beyond it
-        own[0] = std::clamp(own[0], std::min(before, joint.freedoms[0].lower), std::max(before, joint.freedoms[0].upper));
-    }
-    for (const int i : foot.limb) {
-      const Link& link = m.link(i);
-      X_WB[at(i)] = X_WB[at(link.parent)] * link.joint.X_PJ * joint_pose(link.joint, q + link.q_index);
-    }
-  }
-}
-
 }  // namespace
 
 Motion with_feet_on_floor(const Motion& motion, const Mechanism& m, double floor) {
@@ -202,7 +137,7 @@ Motion with_feet_on_floor(const Motion& motion, const Mechanism& m, double floor
     for (std::size_t k = 0; k < feet.size(); ++k) {
       Pose goal = X[at(feet[k].link)];
       goal.p.z += lifts[k][at(f)];
-      reach(m, feet[k], goal, q, X);
+      reach(m, feet[k].limb, goal, {}, q, X);
     }
   }
   return out;
