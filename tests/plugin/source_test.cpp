@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include "ugoki/plugin/comment.h"
-#include "ugoki/plugin/sha256.h"
 
 namespace ugoki::plugin {
 namespace {
@@ -95,15 +94,6 @@ TEST(Source, SurvivesWhatIsNoProgram) {
       "namespace a { struct { double x } f(((( \"unfinished /* } ) ] double g(double x) { extern \"C\" { template <class T> '";
   for (std::size_t n = 0; n <= text.size(); ++n)
     for (const bool cpp : {false, true}) (void)read_source(text.substr(0, n), cpp);
-}
-
-// FIPS 180-4, examples of the standard's test vectors.
-TEST(Sha256, GivesThePublishedHashes) {
-  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
-            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
-  EXPECT_EQ(sha256(std::string(1000000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
 }  // namespace

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "ugoki/base/sha256.h"
 #include "ugoki/circuit/setup.h"
 #include "ugoki/files/files.h"
 #include "ugoki/plugin/declarations.h"
-#include "ugoki/plugin/sha256.h"
 
 namespace ugoki::plugin {
 namespace {

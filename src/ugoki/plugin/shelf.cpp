@@ -3,11 +3,11 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "ugoki/base/sha256.h"
 #include "ugoki/circuit/class_json.h"
 #include "ugoki/files/files.h"
 #include "ugoki/json/fields.h"
 #include "ugoki/plugin/load.h"
-#include "ugoki/plugin/sha256.h"
 
 namespace ugoki::plugin {
 namespace {

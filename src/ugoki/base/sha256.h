@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-namespace ugoki::plugin {
+namespace ugoki {
 
 /// 64 lower-case hexadecimal digits.
 [[nodiscard]] std::string sha256(std::span<const std::byte> bytes);
 [[nodiscard]] inline std::string sha256(std::string_view text) { return sha256(std::as_bytes(std::span(text.data(), text.size()))); }
 
-}  // namespace ugoki::plugin
+}  // namespace ugoki

@@ -1,11 +1,11 @@
-#include "ugoki/plugin/sha256.h"
+#include "ugoki/base/sha256.h"
 
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
 
-namespace ugoki::plugin {
+namespace ugoki {
 namespace {
 
 constexpr std::array<std::uint32_t, 64> constants = {
@@ -64,4 +64,4 @@ std::string sha256(std::span<const std::byte> bytes) {
   return out;
 }
 
-}  // namespace ugoki::plugin
+}  // namespace ugoki
