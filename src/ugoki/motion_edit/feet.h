@@ -10,19 +10,13 @@
 
 namespace ugoki::motion_edit {
 
-/// A place of a foot that can bear on the ground.
-struct FootPoint {
-  int link = 0;        ///< the foot or one behind it (toes)
-  SupportPoint place;  ///< in this link's frame
-};
-
 /// A foot with its toes (or a paw, a hoof, the end of a robot's leg) and the limb that carries it.
 struct FootLimb {
   int link = -1;                  ///< the foot: the first link of the limb that bears
   std::vector<int> parts;         ///< links that bear: the foot and those behind it
-  std::vector<FootPoint> points;  ///< of all parts
+  std::vector<LinkPoint> points;  ///< of all parts
   std::vector<int> heel, toe;     ///< indices of points at the back and at the front; both name all points where the foot is short
-  std::vector<int> chain;         ///< links from the limb's base to the foot, whose joints move this foot alone; first the base
+  std::vector<int> chain;         ///< links from the limb's base (a joint that moves) to the foot, whose joints move this foot alone
   double length = 0;              ///< m, along the limb's joints from the base to the foot's own joint: its greatest reach
 };
 

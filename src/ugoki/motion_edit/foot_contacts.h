@@ -51,7 +51,8 @@ void set_labels(const Mechanism& mechanism, const FootContacts& contacts, Motion
 /// Height [m] at which the feet stand: the median of the lowest places of the slow quarter of the frames. 0 without feet.
 [[nodiscard]] double find_ground(const Mechanism& mechanism, const Motion& motion, std::span<const FootLimb> feet);
 
-/// Sliding of standing feet, of each stance the horizontal path of its lowest place (FootSkate). cm
+/// Sliding of standing feet, of each stance the horizontal path of whatever material point is lowest (as FootSkate, for feet with
+/// toes). cm
 struct SkateReport {
   double mean_cm = 0, worst_cm = 0;
   int stances = 0;

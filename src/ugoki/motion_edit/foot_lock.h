@@ -9,9 +9,9 @@ namespace ugoki::motion_edit {
 
 /// Where a foot is to be, frame by frame.
 struct FootPath {
-  std::vector<Pose> X_WF;           ///< [frames] pose of the foot's link in the world
-  std::vector<std::uint8_t> bears;  ///< [frames] 1 while it stands
-  std::vector<Vec3> points;         ///< [frames][points of the limb] m, in the foot's frame: toes move
+  std::vector<Pose> X_WF;            ///< [frames] pose of the foot's link in the world
+  std::vector<std::uint8_t> bears;   ///< [frames] 1 while it stands
+  std::vector<SupportPoint> points;  ///< [frames][points of the limb] in the foot's frame: toes move
 };
 
 struct FootLockOptions {

@@ -1,0 +1,121 @@
+#include "ugoki/motion_edit/foot_lock.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion/limb_reach.h"
+#include "ugoki/motion_edit/rounds.h"
+
+namespace ugoki::motion_edit {
+namespace {
+
+constexpr double most_drop = 0.3;  // of the limb's length: a goal farther away is missed
+constexpr ReachOptions foot_reach = {.damping = 0.01, .lever = 0.15, .enough = 2e-6, .iterations = 40};
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// How far the root must sink so that this foot's limb is not stretched too far. m
+double drop_for(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X, double stretch) {
+  if (!(foot.length > 0)) return 0;
+  const Vec3 hip = X[at(foot.chain.front())].p;
+  const Vec3 to_goal = goal - hip, to_foot = X[at(foot.link)].p - hip;
+  const double limit = std::max(stretch * foot.length, std::min(norm(to_foot), foot.length));
+  if (to_goal.z >= 0 || dot(to_goal, to_goal) <= limit * limit) return 0;
+  const double level = to_goal.x * to_goal.x + to_goal.y * to_goal.y, room = limit * limit - level;
+  return std::min(-to_goal.z - (room > 0 ? std::sqrt(room) : 0.0), most_drop * foot.length);
+}
+
+/// A smooth curve that is nowhere below `need`: the greatest need within `reach` frames, averaged twice over half of it.
+std::vector<double> smooth_above(const std::vector<double>& need, int reach) {
+  const int n = static_cast<int>(need.size()), half = std::max(1, reach / 2);
+  if (std::all_of(need.begin(), need.end(), [](double x) { return x <= 0; })) return need;
+  std::vector<double> out(need.size()), next(need.size());
+  for (int i = 0; i < n; ++i)
+    out[at(i)] = *std::max_element(need.begin() + std::max(0, i - 2 * half), need.begin() + std::min(n, i + 2 * half + 1));
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int i = 0; i < n; ++i) {
+      double sum = 0;
+      for (int k = -half; k <= half; ++k) sum += out[at(std::clamp(i + k, 0, n - 1))];
+      next[at(i)] = sum / (2 * half + 1);
+    }
+    std::swap(out, next);
+  }
+  return out;
+}
+
+FootContacts repeated_three_times(const FootContacts& contacts) {
+  FootContacts out = contacts;
+  for (auto* tracks : {&out.bears, &out.heel, &out.toe})
+    for (std::vector<std::uint8_t>& on : *tracks) {
+      const std::vector<std::uint8_t> one(on.begin(), on.end() - 1);
+      on = one;
+      for (int k = 0; k < 2; ++k) on.insert(on.end(), one.begin(), one.end());
+      on.push_back(one.front());
+    }
+  return out;
+}
+
+}  // namespace
+
+Motion follow_paths(const Mechanism& m, const Motion& motion, std::span<const FootLimb> feet, const std::vector<FootPath>& paths,
+                    const FootLockOptions& o, FootLockReport* report) {
+  Motion out = motion;
+  FootLockReport unused;
+  FootLockReport& told = report ? *report : unused;
+  std::vector<Pose> X(at(m.link_count()));
+  const bool floats = m.link_count() > 0 && m.link(0).joint.type == JointType::floating;
+  std::vector<double> drop(at(motion.frames), 0.0);
+  for (int f = 0; f < motion.frames && floats; ++f) {
+    calc_poses(m, std::span(motion.frame(f), at(motion.nq)), X);
+    for (std::size_t k = 0; k < feet.size(); ++k)
+      drop[at(f)] = std::max(drop[at(f)], drop_for(feet[k], paths[k].X_WF[at(f)].p, X, o.stretch));
+  }
+  drop = smooth_above(drop, static_cast<int>(o.drop_time * motion.rate + 0.5));
+  for (int f = 0; f < motion.frames; ++f) {
+    double* q = out.frame(f);
+    if (floats) displace_root(m, {0, 0, -drop[at(f)], 0}, {q, at(out.nq)});
+    told.greatest_drop = std::max(told.greatest_drop, drop[at(f)]);
+    calc_poses(m, std::span<const double>(q, at(out.nq)), X);
+    for (std::size_t k = 0; k < feet.size(); ++k) {
+      const FootLimb& foot = feet[k];
+      const Pose& goal = paths[k].X_WF[at(f)];
+      told.greatest_move = std::max(told.greatest_move, norm(goal.p - X[at(foot.link)].p - Vec3{0, 0, drop[at(f)]}));
+      if (foot.chain.empty()) continue;
+      (void)reach(m, foot.chain, goal, foot_reach, q, X);
+      const double miss = norm(goal.p - X[at(foot.link)].p);
+      if (!paths[k].bears[at(f)] || miss <= told.greatest_miss) continue;
+      told.greatest_miss = miss;
+      told.miss_frame = f;
+      told.miss_link = m.link(foot.link).name;
+    }
+  }
+  out.contacts.clear();
+  for (std::size_t k = 0; k < feet.size(); ++k) out.contacts.push_back({m.link(feet[k].link).name, paths[k].bears});
+  return out;
+}
+
+Result<Motion> lock_feet(const Mechanism& m, const Motion& motion, const FootContacts& contacts, const FootLockOptions& o,
+                         FootLockReport* report) {
+  if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
+  if (contacts.feet.empty())
+    return fail(ErrorCode::structure, "mechanism " + m.name(), "It has no feet that could be locked.",
+                "Name the links that stand on the ground, or label them 'foot' or 'paw'.");
+  const bool around = motion.cyclic && motion.frames > 2;
+  const FootContacts c = around ? repeated_three_times(contacts) : contacts;
+  const Motion whole = around ? three_rounds(motion, m) : motion;
+  std::vector<FootPath> paths = foot_paths(m, whole, c);
+  pin_stances(paths, motion.rate, c.ground, mean_leg_length(c.feet), o);
+  FootLockReport told;
+  Motion out = follow_paths(m, whole, c.feet, paths, o, &told);
+  if (around) {
+    out = middle_round(out, m, cycle_of(motion, m));
+    if (told.miss_frame >= 0) told.miss_frame %= round_frames(motion);
+  }
+  told.before = measure_skate(m, motion, contacts);
+  told.after = measure_skate(m, out, contacts);
+  if (report) *report = told;
+  return out;
+}
+
+}  // namespace ugoki::motion_edit
