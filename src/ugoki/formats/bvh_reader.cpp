@@ -160,6 +160,7 @@ Result<MeasuredMotion> read_bvh(std::string_view text, std::string_view file_nam
   told.remarks = std::move(hierarchy->remarks);
   const double unit = choose_unit(hierarchy->skeleton, options, told);
   told.metres_per_unit = unit;
+  told.z_up = options.z_up;
 
   MeasuredMotion motion;
   motion.name = stem_of(file_name);

@@ -121,6 +121,7 @@ bool to_our_axes(MarkerMotion& motion, const MarkerOptions& options, UpAxis told
   }
   motion.unit = notes.metres_per_unit = metres;
   const FileAxes axes{up == UpAxis::z};
+  notes.z_up = axes.z_up;
   bool sane = true;
   for (std::size_t i = 0; i < motion.positions.size(); ++i) {
     motion.positions[i] = axes.from_file(motion.positions[i]) * metres;

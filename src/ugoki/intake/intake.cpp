@@ -89,6 +89,22 @@ Result<std::vector<store::LibraryItem>> motion_items(const MeasuredMotion& measu
   return std::vector<store::LibraryItem>{std::move(measured_item), std::move(motion_item)};
 }
 
+/// The turn from the axes as a reader took them to those that are wanted.
+Mat3 turn_from(bool z_up, const Orientation& wanted) {
+  return rotation_to_ours(wanted) * rotation_to_ours(usual_orientation(z_up)).transposed();
+}
+
+/// Sets what the caller knows better than the file, and tells what was taken.
+void correct(std::vector<MeasuredMotion>& motions, const formats::ReadNotes& notes, const IntakeOptions& options, Intake& out) {
+  out.unit_guessed = notes.unit_guessed;
+  out.axes = options.axes.value_or(usual_orientation(notes.z_up));
+  const Orientation read_as = usual_orientation(notes.z_up);
+  for (MeasuredMotion& m : motions) {
+    if (out.axes != read_as) turn(m, turn_from(notes.z_up, out.axes));
+    if (options.frame_rate > 0) m.rate = options.frame_rate;
+  }
+}
+
 /// @param motions at least one, all on the same skeleton
 Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
                              const IntakeOptions& options) {
@@ -99,7 +115,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
     if (m.name.empty()) m.name = out.source;
   }
   const std::string name = motions.size() == 1 ? motions[0].name : options.name.empty() ? stem_of(file_name) : options.name;
-  out.metres_per_unit = notes.metres_per_unit;
+  out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
+  correct(motions, notes, options, out);
+  describe(out.conversion, motions);
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
 
@@ -118,6 +136,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   body->mechanism = *mechanism;
   out.report.insert(out.report.end(), body->report.begin(), body->report.end());
   if (motions.size() > 1) out.report.push_back("The file holds " + std::to_string(motions.size()) + " motions of one skeleton.");
+  out.conversion.add_remarks(notes.remarks);
+  out.conversion.add_remarks(body->report);
+  describe(out.conversion, *body, motions[0]);
 
   store::LibraryItem mechanism_item{
       store::EntryKind::mechanism, name, {}, options.tags, bytes_of(formats::write_mechanism(*body->mechanism))};
@@ -147,9 +168,13 @@ Result<Intake> from_measured(MeasuredMotion motion, formats::ReadNotes notes, st
 }
 
 /// A recording of markers: solved first. What was done and how well it fits is reported.
-Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes notes, std::string_view file_name,
-                            const IntakeOptions& options) {
+Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes notes, std::string_view file_name, IntakeOptions options) {
   if (!markers) return fail(std::move(markers.error()));
+  const Orientation axes = options.axes.value_or(usual_orientation(notes.z_up));
+  if (axes != usual_orientation(notes.z_up)) turn(*markers, turn_from(notes.z_up, axes));
+  if (options.frame_rate > 0) set_rate(*markers, options.frame_rate);
+  options.axes.reset();
+  options.frame_rate = 0;
   Result<capture::Capture> solved = capture::solve_markers(*markers);
   if (!solved) return fail(std::move(solved.error()));
   notes.remarks.insert(notes.remarks.end(), solved->report.begin(), solved->report.end());
@@ -158,7 +183,26 @@ Result<Intake> from_markers(Result<MarkerMotion> markers, formats::ReadNotes not
   if (worst != solved->residuals.end())
     notes.remarks.push_back("The worst marker is " + worst->label + " with " + to_fixed(1000 * worst->rms, 1) + " mm rms, at most " +
                             to_fixed(1000 * worst->greatest, 1) + " mm in frame " + std::to_string(worst->worst_frame) + ".");
-  return from_measured(std::move(solved->measured), std::move(notes), file_name, options);
+  Result<Intake> out = from_measured(std::move(solved->measured), std::move(notes), file_name, options);
+  if (!out) return out;
+  out->axes = axes;
+  if (worst != solved->residuals.end() && worst->rms > 0.03)
+    out->conversion.check.push_back("Marker " + worst->label + " is " + to_fixed(1000 * worst->rms, 0) +
+                                    " mm rms away from where the body has it: look whether it is labelled rightly.");
+  ConversionReport recorded;
+  describe(recorded, *markers);
+  for (auto part : {&ConversionReport::read, &ConversionReport::left_out, &ConversionReport::check})
+    (out->conversion.*part).insert((out->conversion.*part).begin(), (recorded.*part).begin(), (recorded.*part).end());
+  out->markers = std::move(*markers);
+  return out;
+}
+
+/// The same mechanism with its bases turned.
+Result<MechanismPtr> turned(const Mechanism& mechanism, const Mat3& R) {
+  MechanismSpec spec = mechanism.spec();
+  for (LinkSpec& link : spec.links)
+    if (link.parent.empty() && link.real.empty()) link.joint.X_PJ = Pose{R, {}} * link.joint.X_PJ;
+  return Mechanism::make(std::move(spec));
 }
 
 /// The file holds a mechanism and no motion.
@@ -166,11 +210,14 @@ Result<Intake> from_mechanism(Result<MechanismPtr> mechanism, std::string_view f
   if (!mechanism) return fail(std::move(mechanism.error()));
   const std::string name = !options.name.empty() ? options.name : !(*mechanism)->name().empty() ? (*mechanism)->name() : stem_of(file_name);
   if ((*mechanism)->name() != name) mechanism = renamed(**mechanism, name);
+  Intake out;
+  if (options.axes) out.axes = *options.axes;
+  if (mechanism && out.axes != usual_orientation(true)) mechanism = turned(**mechanism, turn_from(true, out.axes));
   if (mechanism) mechanism = geometry::prepare(*mechanism);
   if (!mechanism) return fail(std::move(mechanism.error()));
-  Intake out;
   out.source = std::string(base_name(file_name));
   out.mechanism = std::move(*mechanism);
+  describe(out.conversion, *out.mechanism);
   out.items = {{store::EntryKind::mechanism, name, text_of(mechanism_summary(*out.mechanism, out.source)), options.tags,
                 bytes_of(formats::write_mechanism(*out.mechanism))}};
   return out;
@@ -182,6 +229,7 @@ Result<Intake> from_robot(std::string_view text, std::string_view file_name, con
   Result<Intake> out = from_mechanism(robot->mechanism, file_name, options);
   if (!out) return out;
   out->report = robot->notes;
+  out->conversion.add_remarks(robot->notes);
   out->robot = std::move(*robot);
   return out;
 }
@@ -220,6 +268,8 @@ std::string skeleton_name_for(std::string_view amc_name) {
 Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const formats::Asf* asf, const IntakeOptions& options) {
   const std::optional<FileKind> kind = file_kind(file_name);
   const std::string place(file_name);
+  if (options.axes && !options.axes->valid())
+    return fail(ErrorCode::range, place, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
     return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
                 "Give a .bvh, .amc (with its .asf), .c3d, .trc, .gltf, .glb, mechanism .json, .urdf, .sdf or MJCF .xml file.");
@@ -240,6 +290,7 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
       amc.rate = options.rate;
       Result<MeasuredMotion> measured = formats::read_amc(bytes, file_name, *asf, amc, &notes);
       if (!measured) return fail(std::move(measured.error()));
+      if (options.unit > 0) scale(*measured, options.unit / measured->skeleton.unit);
       return from_measured(std::move(*measured), std::move(notes), file_name, options);
     }
     case FileKind::c3d: {

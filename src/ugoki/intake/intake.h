@@ -10,6 +10,9 @@
 #include "ugoki/body/body.h"
 #include "ugoki/formats/asf.h"
 #include "ugoki/formats/gltf.h"
+#include "ugoki/intake/conversion_report.h"
+#include "ugoki/intake/correction.h"
+#include "ugoki/motion/markers.h"
 #include "ugoki/motion/motion.h"
 #include "ugoki/motion/skeleton.h"
 #include "ugoki/robot_formats/robot_model.h"
@@ -24,6 +27,8 @@ struct IntakeOptions {
   double mass = 0;                    ///< kg, of the person; 0: estimated
   double unit = 0;                    ///< m per unit of length of the file; 0: guessed (BVH) or as the format says (ASF)
   double rate = 120;                  ///< frames a second of AMC files, which do not tell
+  double frame_rate = 0;              ///< frames a second, whatever the file says; 0: as the file says
+  std::optional<Orientation> axes;    ///< up and forward in the file's space; nothing: as its reader takes them
   formats::GltfFiles files;           ///< buffers beside a .gltf file; null: they are refused
   robot_formats::RobotOptions robot;  ///< URDF, SDF, MJCF
 };
@@ -31,13 +36,17 @@ struct IntakeOptions {
 /// A file, taken in but not yet stored.
 struct Intake {
   std::string source;                              ///< the file's name
+  std::optional<MarkerMotion> markers;             ///< C3D, TRC: as recorded
   std::optional<MeasuredMotion> measured;          ///< BVH, AMC, C3D, TRC, glTF (the first of several)
   std::optional<body::Body> body;                  ///< BVH, AMC, C3D, TRC, glTF (the first of several)
   std::optional<Motion> motion;                    ///< BVH, AMC, C3D, TRC, glTF (the first of several)
   std::optional<robot_formats::RobotModel> robot;  ///< URDF, SDF, MJCF
   MechanismPtr mechanism;                          ///< the body's, or the file's
   double metres_per_unit = 0;                      ///< unit of length that was used; 0: the file has none
+  bool unit_guessed = false;                       ///< neither the file nor the caller told the unit
+  Orientation axes = usual_orientation(true);      ///< up and forward in the file's space, as taken
   std::vector<std::string> report;                 ///< sentences for people
+  ConversionReport conversion;                     ///< the same in parts, and what the file holds
   std::vector<store::LibraryItem> items;           ///< what goes into the library: mechanism first, then measured, motion
   /// Id that the items will have. Empty if there is no item of this kind.
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;

@@ -301,9 +301,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void answer(ApiReply reply) {
-    Response response = make_response(static_cast<http::status>(reply.status), "application/json");
+    Response response = make_response(static_cast<http::status>(reply.status), reply.type);
     response.set(http::field::cache_control, "no-store");
-    response.body() = std::move(reply.json);
+    response.body() = std::move(reply.body);
     write(std::move(response));
   }
 

@@ -22,7 +22,8 @@ struct ApiRequest {
 
 struct ApiReply {
   int status = 200;
-  std::string json;
+  std::string body;
+  std::string type = "application/json";
 };
 
 /// Called on the server's thread: must return at once.

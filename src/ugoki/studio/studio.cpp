@@ -28,8 +28,8 @@ namespace {
 
 constexpr std::chrono::milliseconds session_period{250};
 
-ApiReply refused(const Error& error) { return {http_status_of(error), error_body(error)}; }
-ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{200, *result} : refused(result.error()); }
+ApiReply refused(const Error& error) { return {.status = http_status_of(error), .body = error_body(error)}; }
+ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{.body = *result} : refused(result.error()); }
 
 /// Passes texts and frames to the server while there is one.
 class LateOutbox final : public Outbox {

@@ -1,0 +1,134 @@
+// The same motion, written with other axes, units and rates, comes in the same when they are told.
+
+#include "ugoki/intake/correction.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "ugoki/formats/bvh.h"
+#include "ugoki/formats/trc.h"
+#include "ugoki/intake/intake.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::intake {
+namespace {
+
+TEST(Correction, AxesByName) {
+  EXPECT_EQ(file_axis_named("x"), (FileAxis{0, false}));
+  EXPECT_EQ(file_axis_named("-z"), (FileAxis{2, true}));
+  for (const char* wrong : {"", "-", "w", "xy", "--x", "X"}) EXPECT_EQ(file_axis_named(wrong), std::nullopt) << wrong;
+  for (const char* name : {"x", "-x", "y", "-y", "z", "-z"}) EXPECT_EQ(name_of(*file_axis_named(name)), name);
+}
+
+TEST(Correction, EveryOrientationIsARotationThatPutsUpUpAndForwardForward) {
+  int valid = 0;
+  for (int i = 0; i < 36; ++i) {
+    const Orientation file{{i % 3, i / 3 % 2 == 1}, {i / 6 % 3, i / 18 == 1}};
+    if (!file.valid()) continue;
+    ++valid;
+    Vec3 up, forward;
+    up[file.up.axis] = file.up.negative ? -1 : 1;
+    forward[file.forward.axis] = file.forward.negative ? -1 : 1;
+    const Mat3 R = rotation_to_ours(file);
+    EXPECT_EQ(R * up, (Vec3{0, 0, 1}));
+    EXPECT_EQ(R * forward, (Vec3{1, 0, 0}));
+    EXPECT_EQ(dot(cross(R.row(0), R.row(1)), R.row(2)), 1);
+  }
+  EXPECT_EQ(valid, 24);
+}
+
+double greatest_distance(const MeasuredMotion& a, const MeasuredMotion& b) {
+  std::vector<Pose> A(static_cast<std::size_t>(a.joint_count())), B(A.size());
+  double worst = 0;
+  for (int f = 0; f < a.frames; ++f) {
+    a.calc_joint_poses(f, A);
+    b.calc_joint_poses(f, B);
+    for (std::size_t j = 0; j < A.size(); ++j) worst = std::max(worst, norm(A[j].p - B[j].p));
+  }
+  return worst;
+}
+
+/// The reference: a file written with Z up by the writer itself, which knows nothing of these corrections.
+TEST(Correction, AFileWithZUpIsRightWhenItsAxesAreTold) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  formats::BvhWriteOptions z_up;
+  z_up.z_up = true;
+  z_up.metres_per_unit = 0.01;
+  IntakeOptions options;
+  options.axes = usual_orientation(true);
+  options.unit = 0.01;
+  const auto taken = take_in(formats::write_bvh(walk, z_up), "walk.bvh", nullptr, options);
+  ASSERT_TRUE(taken) << taken.error().text();
+  EXPECT_LT(greatest_distance(*taken->measured, walk), 1e-6);
+  EXPECT_TRUE(taken->conversion.check.empty()) << taken->conversion.check.front();
+
+  options.axes.reset();
+  const auto lying = take_in(formats::write_bvh(walk, z_up), "walk.bvh", nullptr, options);
+  ASSERT_TRUE(lying) << lying.error().text();
+  ASSERT_FALSE(lying->conversion.check.empty());
+  EXPECT_NE(lying->conversion.check.front().find("another axis points up"), std::string::npos) << lying->conversion.check.front();
+}
+
+TEST(Correction, UnitAndRateAsTold) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  formats::BvhWriteOptions write;
+  write.metres_per_unit = 0.0254;
+  const std::string text = formats::write_bvh(walk, write);
+  IntakeOptions options;
+  options.unit = 2 * 0.0254;
+  options.frame_rate = walk.rate / 2;
+  const auto taken = take_in(text, "walk.bvh", nullptr, options);
+  ASSERT_TRUE(taken) << taken.error().text();
+  EXPECT_NEAR(taken->body->height, 2 * 1.75, 0.06);
+  EXPECT_DOUBLE_EQ(taken->motion->rate, walk.rate / 2);
+  EXPECT_EQ(taken->motion->frames, walk.frames);
+  EXPECT_FALSE(taken->unit_guessed);
+  EXPECT_NE(taken->conversion.check.front().find("unit of length"), std::string::npos);
+}
+
+TEST(Correction, UpAndForwardMustDiffer) {
+  IntakeOptions options;
+  options.axes = Orientation{{1, false}, {1, true}};
+  EXPECT_FALSE(take_in(formats::write_bvh(samples::make_human_walk()), "walk.bvh", nullptr, options));
+}
+
+TEST(Correction, RecordingsKeepEventsAndSamplesAtTheirFrames) {
+  MarkerMotion m;
+  m.labels = {"A"};
+  m.rate = 100;
+  m.frames = 11;
+  m.analog_rate = 1000;
+  m.analog = {{"Fz", "N", ""}};
+  m.events = {{0.05, "Foot Strike", "Left"}};
+  set_rate(m, 50);
+  EXPECT_DOUBLE_EQ(m.duration(), 0.2);
+  EXPECT_EQ(m.samples_per_frame(), 10);
+  EXPECT_DOUBLE_EQ(m.events[0].time, 0.1);
+}
+
+TEST(Correction, AMechanismStandsUpWhenItsAxesAreTold) {
+  const std::string lying =
+      "<robot name='post'><link name='base'/><joint name='j' type='revolute'><parent link='base'/><child link='post'/>"
+      "<axis xyz='1 0 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+      "<link name='post'><inertial><origin xyz='0 1 0'/><mass value='3'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' "
+      "iyz='0'/></inertial>"
+      "<collision><origin xyz='0 1 0'/><geometry><sphere radius='0.1'/></geometry></collision></link></robot>";
+  IntakeOptions options;
+  options.axes = usual_orientation(false);
+  const auto taken = take_in(lying, "post.urdf", nullptr, options);
+  ASSERT_TRUE(taken) << taken.error().text();
+  const Mechanism& m = *taken->mechanism;
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count()));
+  calc_poses(m, m.neutral(), X);
+  const int post = m.link_count() - 1;
+  const Vec3 ball = X[static_cast<std::size_t>(post)] * m.link(post).shapes.at(0).X_BS.p;
+  EXPECT_NEAR(ball.z, 1, 1e-12);
+  EXPECT_NEAR(std::hypot(ball.x, ball.y), 0, 1e-12);
+}
+
+}  // namespace
+}  // namespace ugoki::intake
