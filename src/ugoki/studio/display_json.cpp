@@ -13,11 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json pose_json(const Pose& X) {
-  const Quat q = to_quat(X.R);
-  return {X.p.x, X.p.y, X.p.z, q.w, q.x, q.y, q.z};
-}
-
 template <class T>
 std::string packed(const std::vector<T>& values) {
   return to_base64({reinterpret_cast<const std::uint8_t*>(values.data()), values.size() * sizeof(T)});
@@ -37,13 +32,55 @@ Json surface_json(const HeightField& f) {
           {"half_y", f.half_y},   {"base", f.base}, {"heights", packed(heights)}};
 }
 
-std::vector<Pose> neutral_poses(const Mechanism& mechanism) {
+std::vector<Pose> poses_at(const Mechanism& mechanism, std::span<const double> q) {
   std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
-  calc_poses(mechanism, mechanism.neutral(), X);
+  calc_poses(mechanism, q, X);
   return X;
 }
+std::vector<Pose> neutral_poses(const Mechanism& mechanism) { return poses_at(mechanism, mechanism.neutral()); }
+
+constexpr int most_preview_frames = 480;
+
+/// Of a preview: every so many frames.
+int preview_stride(int frames) { return std::max(1, (frames + most_preview_frames - 1) / most_preview_frames); }
+
+void add_number(std::vector<float>& out, double x) { out.push_back(static_cast<float>(x)); }
 
 }  // namespace
+
+std::vector<double> pose_json(const Pose& X) {
+  const Quat q = to_quat(X.R);
+  return {X.p.x, X.p.y, X.p.z, q.w, q.x, q.y, q.z};
+}
+
+std::string motion_json(std::string_view id, const Motion& motion, const Mechanism& mechanism) {
+  const int stride = preview_stride(motion.frames);
+  std::vector<float> poses;
+  std::vector<Pose> X(static_cast<std::size_t>(mechanism.link_count()));
+  int count = 0;
+  for (int f = 0; f < motion.frames; f += stride, ++count) {
+    calc_poses(mechanism, {motion.frame(f), static_cast<std::size_t>(motion.nq)}, X);
+    for (const Pose& pose : X)
+      for (const double x : pose_json(pose)) add_number(poses, x);
+  }
+  return Json{{"id", id},         {"name", motion.name},     {"rate", motion.rate},
+              {"stride", stride}, {"frames", motion.frames}, {"duration", motion.duration()},
+              {"count", count},   {"links", X.size()},       {"poses", packed(poses)}}
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string markers_json(const MarkerMotion& markers) {
+  const int stride = preview_stride(markers.frames);
+  std::vector<float> points;
+  int count = 0;
+  for (int f = 0; f < markers.frames; f += stride, ++count)
+    for (int i = 0; i < markers.marker_count(); ++i) {
+      const bool seen = markers.seen(f, i);
+      for (int k = 0; k < 3; ++k) add_number(points, seen ? markers.at(f, i)[k] : std::numeric_limits<double>::quiet_NaN());
+    }
+  return Json{{"labels", markers.labels}, {"stride", stride}, {"count", count}, {"points", packed(points)}}.dump(
+      -1, ' ', false, Json::error_handler_t::replace);
+}
 
 double shown_height(const Mechanism& mechanism) {
   const std::vector<Pose> X = neutral_poses(mechanism);
@@ -59,8 +96,8 @@ double shown_height(const Mechanism& mechanism) {
   return high > low ? high - low : 0;
 }
 
-std::string mechanism_json(std::string_view id, const Mechanism& mechanism) {
-  const std::vector<Pose> X = neutral_poses(mechanism);
+std::string mechanism_json(std::string_view id, const Mechanism& mechanism, std::span<const double> q) {
+  const std::vector<Pose> X = q.empty() ? neutral_poses(mechanism) : poses_at(mechanism, q);
   Json links = Json::array(), surfaces = Json::object();
   for (int i = 0; i < mechanism.link_count(); ++i) {
     const Link& link = mechanism.link(i);

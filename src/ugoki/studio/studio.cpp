@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
@@ -13,10 +14,13 @@
 #include <thread>
 #include <utility>
 
+#include "ugoki/base/number.h"
 #include "ugoki/store/library.h"
 #include "ugoki/studio/display_json.h"
 #include "ugoki/studio/error_json.h"
+#include "ugoki/studio/import_service.h"
 #include "ugoki/studio/library_service.h"
+#include "ugoki/studio/preview_service.h"
 #include "ugoki/studio/security.h"
 #include "ugoki/studio/server.h"
 #include "ugoki/studio/session.h"
@@ -30,6 +34,20 @@ constexpr std::chrono::milliseconds session_period{250};
 
 ApiReply refused(const Error& error) { return {.status = http_status_of(error), .body = error_body(error)}; }
 ApiReply answer_of(const Result<std::string>& result) { return result ? ApiReply{.body = *result} : refused(result.error()); }
+
+/// "walk, slow" -> "walk", "slow"
+std::vector<std::string> split_tags(std::string_view text) {
+  std::vector<std::string> tags;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(','), text.size());
+    std::string_view tag = text.substr(0, end);
+    while (tag.starts_with(' ')) tag.remove_prefix(1);
+    while (tag.ends_with(' ')) tag.remove_suffix(1);
+    if (!tag.empty()) tags.emplace_back(tag);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return tags;
+}
 
 /// Passes texts and frames to the server while there is one.
 class LateOutbox final : public Outbox {
@@ -63,21 +81,24 @@ class LateOutbox final : public Outbox {
 
 }  // namespace
 
-/// Three threads beside the caller's: the server's, the session's (project, commands), the library's (lists, imports).
+/// Four threads beside the caller's: the server's, the session's (project, commands), the library's (lists, previews), that of imports.
 class Studio::Impl final : public ServerEvents {
  public:
-  Impl(const StudioOptions& options, project::Project project) : library_(options.library_path) {
+  Impl(const StudioOptions& options, project::Project project)
+      : library_(options.library_path), imports_(options.library_path), previews_(options.library_path) {
     const std::string choices = (std::filesystem::path(options.library_path).parent_path() / "choices.json").string();
     const SessionOptions session{options.library_path, choices, options.interpreter};
     session_ = std::make_unique<Session>(session, std::move(project), outbox_,
                                          [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
     session_queue_ = std::make_unique<TaskQueue>(session_period, [this] { session_->on_time(); });
     library_queue_ = std::make_unique<TaskQueue>();
+    import_queue_ = std::make_unique<TaskQueue>();
   }
 
   ~Impl() override {
     outbox_.set(nullptr);
     server_.reset();  // no request comes any more
+    import_queue_->close();
     library_queue_->close();
     session_queue_->post([this] { session_->stop(); });  // no interpreter calls any more
     session_queue_->close();
@@ -108,6 +129,9 @@ class Studio::Impl final : public ServerEvents {
   [[nodiscard]] const Session& session() const { return *session_; }
 
  private:
+  /// Addresses below /api/import/. False: none of them.
+  bool on_import(ApiRequest& request, std::function<void(ApiReply)>& answer);
+
   /// Does `work` on a queue and answers with what it gives, whatever happens.
   template <class Work>
   static void answer_on(TaskQueue& queue, std::function<void(ApiReply)> answer, Work work) {
@@ -126,8 +150,43 @@ class Studio::Impl final : public ServerEvents {
   std::unique_ptr<Server> server_;
   std::unique_ptr<Session> session_;
   LibraryService library_;
-  std::unique_ptr<TaskQueue> session_queue_, library_queue_;
+  ImportService imports_;
+  PreviewService previews_;
+  std::unique_ptr<TaskQueue> session_queue_, library_queue_, import_queue_;
 };
+
+bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>& answer) {
+  constexpr std::string_view prefix = "/api/import/";
+  if (!request.path.starts_with(prefix)) return false;
+  const std::string rest = request.path.substr(prefix.size());
+  const std::string what = rest.substr(0, rest.find('/')), id = what.size() < rest.size() ? rest.substr(what.size() + 1) : "";
+  const auto text = [&](std::string_view name) { return query_value(request.query, name).value_or(""); };
+  const auto number = [&](std::string_view name) { return std::max(0.0, parse_double(text(name)).value_or(0)); };
+  const ImportSettings settings{number("unit"), text("up"), text("forward"), number("rate")};
+  const std::string name = text("name"), tags = text("tags");
+  auto body = std::make_shared<std::string>(std::move(request.body));  // tasks are copied
+  if (what == "file") {
+    answer_on(*import_queue_, std::move(answer), [this, name, body] { return imports_.companion(name, std::move(*body)); });
+  } else if (what == "stage") {
+    answer_on(*import_queue_, std::move(answer), [this, id, name, body, settings] {
+      return id.empty() ? imports_.stage(name, std::move(*body), settings) : imports_.stage_again(id, settings);
+    });
+  } else if (what == "store" && !id.empty()) {
+    answer_on(*import_queue_, std::move(answer), [this, id, name, tags] {
+      Result<std::string> stored = imports_.store(id, name, split_tags(tags));
+      if (stored) session_queue_->post([this] { session_->announce_library(); });
+      return stored;
+    });
+  } else if (what == "drop" && !id.empty()) {
+    answer_on(*import_queue_, std::move(answer), [this, id]() -> Result<std::string> {
+      imports_.drop(id);
+      return "{}";
+    });
+  } else {
+    return false;
+  }
+  return true;
+}
 
 void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answer) {
   const std::string& path = request.path;
@@ -148,6 +207,17 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
         return mechanism_json(id, **stored);
       });
     });
+  } else if (path.starts_with("/api/motion/") && get) {
+    const std::string id = path.substr(std::string_view("/api/motion/").size());
+    session_queue_->post([this, id, reply = std::move(answer)]() mutable {
+      answer_on(*library_queue_, std::move(reply),
+                [this, id, project = session_->project_entries()] { return previews_.motion(id, project); });
+    });
+  } else if (path == "/api/reference-figure" && get) {
+    const double height = parse_double(query_value(request.query, "height").value_or("")).value_or(1.8);
+    answer_on(*library_queue_, std::move(answer), [height] { return reference_figure_json(std::clamp(height, 0.3, 3.0)); });
+  } else if (post && on_import(request, answer)) {
+    return;
   } else if (path == "/api/import" && post) {
     const std::string name = query_value(request.query, "name").value_or("");
     answer_on(*library_queue_, std::move(answer), [this, name, body = std::move(request.body)] {

@@ -1,0 +1,214 @@
+#include "ugoki/studio/import_service.h"
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "ugoki/body/body.h"
+#include "ugoki/samples/samples.h"
+#include "ugoki/store/library.h"
+#include "ugoki/studio/display_json.h"
+
+namespace ugoki::studio {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t most_stages = 64;
+constexpr std::size_t most_bytes = std::size_t{768} << 20;  // of all stages and companions
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// "folder/Left.STL" -> "left.stl"
+std::string plain_name(std::string_view path) {
+  std::string name(path.substr(path.find_last_of("/\\") + 1));
+  std::ranges::transform(name, name.begin(), [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  return name;
+}
+
+const char* name_of(intake::FileKind kind) {
+  switch (kind) {
+    case intake::FileKind::bvh: return "BVH";
+    case intake::FileKind::amc: return "AMC";
+    case intake::FileKind::asf: return "ASF";
+    case intake::FileKind::c3d: return "C3D";
+    case intake::FileKind::trc: return "TRC";
+    case intake::FileKind::gltf: return "glTF";
+    case intake::FileKind::mechanism_json: return "Mechanism";
+    case intake::FileKind::robot: return "Robot description";
+    default: return "Motion";
+  }
+}
+
+Json report_json(const intake::ConversionReport& r) {
+  return {{"read", r.read}, {"guessed", r.guessed}, {"changed", r.changed}, {"left_out", r.left_out}, {"check", r.check}};
+}
+
+/// Entries that will be made, as people call them; measured data go with their motion.
+Json entries_json(const intake::Intake& taken) {
+  Json entries = Json::array();
+  for (const store::LibraryItem& item : taken.items)
+    if (item.kind != store::EntryKind::measured)
+      entries.push_back({{"kind", store::name_of(item.kind)}, {"name", item.name}, {"bytes", item.data.size()}});
+  return entries;
+}
+
+/// What is shown of a stage: settings as used, report, figure and motion.
+std::string stage_json(std::string_view id, const std::string& file, const intake::Intake& taken) {
+  const intake::FileKind kind = intake::file_kind(file).value_or(intake::FileKind::bvh);
+  const bool moves = taken.motion.has_value();
+  Json j = {{"stage", id},
+            {"file", file},
+            {"format", name_of(kind)},
+            {"settings",
+             {{"unit", taken.metres_per_unit},
+              {"unit_guessed", taken.unit_guessed},
+              {"up", intake::name_of(taken.axes.up)},
+              {"forward", intake::name_of(taken.axes.forward)},
+              {"rate", moves ? taken.motion->rate : 0.0},
+              {"rate_told", kind != intake::FileKind::amc}}},
+            {"can", {{"unit", moves}, {"axes", taken.mechanism != nullptr}, {"rate", moves}}},
+            {"entries", entries_json(taken)},
+            {"report", report_json(taken.conversion)}};
+  if (taken.mechanism) j["mechanism"] = Json::parse(mechanism_json(id, *taken.mechanism));
+  if (moves) j["motion"] = Json::parse(motion_json(id, *taken.motion, *taken.mechanism));
+  if (taken.markers && moves) j["markers"] = Json::parse(markers_json(*taken.markers));
+  if (taken.markers && taken.body && taken.measured) {
+    const Pose X = body::calc_floor_pose(*taken.body, *taken.measured);
+    j["markers"]["pose"] = pose_json(X);
+  }
+  return text_of(j);
+}
+
+}  // namespace
+
+Result<const formats::Asf*> ImportService::skeleton_for(const std::string& file) const {
+  const auto named = skeletons_.find(plain_name(intake::skeleton_name_for(file)));
+  const auto sent = named != skeletons_.end() ? named : skeletons_.find(last_skeleton_);
+  if (sent != skeletons_.end()) return &sent->second;
+  return fail(ErrorCode::structure, file, "An AMC file has no skeleton of its own.",
+              "Choose " + intake::skeleton_name_for(file) + " and this file together.");
+}
+
+Result<std::string> ImportService::companion(std::string_view file_name, std::string bytes) {
+  const std::string name = plain_name(file_name);
+  if (name.ends_with(".asf")) {
+    Result<formats::Asf> skeleton = formats::read_asf(bytes, file_name);
+    if (!skeleton) return fail(std::move(skeleton.error()));
+    if (skeletons_.size() >= most_stages) skeletons_.clear();
+    last_skeleton_ = name;
+    skeletons_.insert_or_assign(name, std::move(*skeleton));
+    return "{}";
+  }
+  make_room(bytes.size());
+  companions_.insert_or_assign(name, std::move(bytes));
+  return "{}";
+}
+
+Result<intake::Intake> ImportService::read(const std::string& file, const std::string& bytes, const ImportSettings& settings) const {
+  const std::optional<intake::FileKind> kind = intake::file_kind(file);
+  intake::IntakeOptions options;
+  options.unit = settings.unit;
+  options.frame_rate = settings.rate;
+  if (!settings.up.empty() || !settings.forward.empty()) {
+    const auto up = intake::file_axis_named(settings.up), forward = intake::file_axis_named(settings.forward);
+    if (!up || !forward)
+      return fail(ErrorCode::range, "up", "The axes must be x, -x, y, -y, z or -z, both up and forward.", "Choose them from the lists.");
+    options.axes = intake::Orientation{*up, *forward};
+  }
+  const auto beside = [this](std::string_view path) -> Result<std::string> {
+    const auto found = companions_.find(plain_name(path));
+    if (found != companions_.end()) return found->second;
+    return fail(ErrorCode::io, std::string(path), "This file was not sent.", "Choose it together with the file that names it.");
+  };
+  options.robot.read_asset = beside;
+  options.files = [beside](std::string_view uri) -> Result<std::vector<std::byte>> {
+    Result<std::string> found = beside(uri);
+    if (!found) return fail(std::move(found.error()));
+    const auto* p = reinterpret_cast<const std::byte*>(found->data());
+    return std::vector<std::byte>(p, p + found->size());
+  };
+  const formats::Asf* skeleton = nullptr;
+  if (kind == intake::FileKind::amc) {
+    const Result<const formats::Asf*> found = skeleton_for(file);
+    if (!found) return fail(found.error());
+    skeleton = *found;
+  }
+  return intake::take_in(bytes, file, skeleton, options);
+}
+
+Result<std::string> ImportService::stage(std::string_view file_name, std::string bytes, const ImportSettings& settings) {
+  const std::string file(file_name.substr(file_name.find_last_of("/\\") + 1));
+  Result<intake::Intake> taken = read(file, bytes, settings);
+  if (!taken) return fail(std::move(taken.error()));
+  make_room(bytes.size());
+  const std::uint64_t number = next_++;
+  const std::string id = "i" + std::to_string(number);
+  const Stage& made = stages_.insert_or_assign(id, Stage{number, file, std::move(bytes), std::move(*taken)}).first->second;
+  return stage_json(id, made.file, made.intake);
+}
+
+Result<std::string> ImportService::stage_again(std::string_view id, const ImportSettings& settings) {
+  const Result<Stage*> found = find(id);
+  if (!found) return fail(found.error());
+  Stage& stage = **found;
+  Result<intake::Intake> taken = read(stage.file, stage.bytes, settings);
+  if (!taken) return fail(std::move(taken.error()));
+  stage.intake = std::move(*taken);
+  return stage_json(id, stage.file, stage.intake);
+}
+
+Result<std::string> ImportService::store(std::string_view id, std::string_view name, const std::vector<std::string>& tags) {
+  const Result<Stage*> found = find(id);
+  if (!found) return fail(found.error());
+  intake::Intake& taken = (*found)->intake;
+  const std::string shown = taken.items.front().name;
+  for (store::LibraryItem& item : taken.items) {
+    if (!name.empty() && item.name == shown) item.name = std::string(name);
+    item.tags.insert(item.tags.end(), tags.begin(), tags.end());
+  }
+  Result<store::Library> library = store::Library::open(path_);
+  if (!library) return fail(std::move(library.error()));
+  const Result<std::vector<std::string>> ids = intake::put(*library, taken);
+  if (!ids) return fail(ids.error());
+  Json entries = Json::array();
+  for (std::size_t i = 0; i < ids->size(); ++i) {
+    const store::LibraryItem& item = taken.items[i];
+    if (item.kind != store::EntryKind::measured)
+      entries.push_back({{"id", (*ids)[i]}, {"kind", store::name_of(item.kind)}, {"name", item.name}});
+  }
+  drop(id);
+  return text_of({{"entries", std::move(entries)}});
+}
+
+Result<ImportService::Stage*> ImportService::find(std::string_view id) {
+  const auto found = stages_.find(id);
+  if (found != stages_.end()) return &found->second;
+  return fail(ErrorCode::unknown, std::string(id), "This import is not waiting any more.", "Import the file again.");
+}
+
+void ImportService::make_room(std::size_t bytes) {
+  std::size_t held = bytes;
+  for (const auto& [id, stage] : stages_) held += stage.bytes.size();
+  for (const auto& [name, data] : companions_) held += data.size();
+  if (held > most_bytes) companions_.clear();
+  while (!stages_.empty() && (stages_.size() >= most_stages || held > most_bytes)) {
+    const auto oldest = std::ranges::min_element(stages_, {}, [](const auto& s) { return s.second.number; });
+    held -= std::min(held, oldest->second.bytes.size());
+    stages_.erase(oldest);
+  }
+}
+
+Result<std::string> reference_figure_json(double height) {
+  MeasuredMotion stand = samples::make_human_stand();
+  body::BodyOptions options;
+  options.height = height;
+  intake::scale(stand, height / 1.75);  // the sample's height
+  Result<body::Body> body = body::make_body(stand, options);
+  if (!body) return fail(std::move(body.error()));
+  const Motion motion = body::to_motion(*body, stand);
+  return mechanism_json("reference", *body->mechanism, {motion.frame(0), static_cast<std::size_t>(motion.nq)});
+}
+
+}  // namespace ugoki::studio
