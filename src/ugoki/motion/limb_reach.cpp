@@ -27,53 +27,136 @@ void solve_spd(std::array<std::array<double, 6>, 6>& A, std::array<double, 6>& b
   }
 }
 
+/// Steps of the joints for a step y of the end: J^T (J J^T + damping^2)^-1 y.
+std::array<double, 6> damped(std::span<const Column> columns, std::array<double, 6> y, double damping) {
+  std::array<std::array<double, 6>, 6> A{};
+  for (std::size_t r = 0; r < 6; ++r) {
+    A[r][r] = damping * damping;
+    for (std::size_t s = 0; s < 6; ++s)
+      for (const Column& c : columns) A[r][s] += c[r] * c[s];
+  }
+  solve_spd(A, y);
+  return y;
+}
+
+void find_columns(const Mechanism& m, std::span<const int> limb, const ReachOptions& o, const double* q, std::span<const Pose> X_WB,
+                  std::vector<Column>& columns) {
+  const Vec3 end = X_WB[at(limb.back())].p;
+  columns.clear();
+  for (const int i : limb) {
+    const Link& link = m.link(i);
+    const Pose& X = X_WB[at(i)];
+    Vec6 S[6];
+    for (int k = 0, n = joint_subspace(link.joint, q + link.q_index, S); k < n; ++k) {
+      const Vec3 w = X.R * S[k].w, v = X.R * S[k].v + cross(w, end - X.p);
+      columns.push_back(i == o.held ? Column{} : Column{v.x, v.y, v.z, o.lever * w.x, o.lever * w.y, o.lever * w.z});
+    }
+  }
+}
+
+/// Way of each freedom from the limb's joints back to `start`. @param start their coordinates one after the other
+void find_way_back(const Mechanism& m, std::span<const int> limb, const double* q, const double* start, std::vector<double>& way) {
+  way.clear();
+  for (const int i : limb) {
+    const Link& link = m.link(i);
+    double d[6];
+    joint_difference(link.joint, q + link.q_index, start, d);
+    way.insert(way.end(), d, d + link.joint.nv());
+    start += link.joint.nq();
+  }
+}
+
+void move(const Mechanism& m, std::span<const int> limb, std::span<const double> step, double* q) {
+  const double* own_step = step.data();
+  for (const int i : limb) {
+    const Link& link = m.link(i);
+    const Joint& joint = link.joint;
+    double* own = q + link.q_index;
+    const double before = own[0];
+    joint_integrate(joint, own, own_step, 1.0, own);
+    own_step += joint.nv();
+    if (joint.type == JointType::revolute)
+      own[0] = std::clamp(own[0], std::min(before, joint.freedoms[0].lower), std::max(before, joint.freedoms[0].upper));
+  }
+}
+
+void copy_joints(const Mechanism& m, std::span<const int> limb, const double* q, std::vector<double>& out) {
+  out.clear();
+  for (const int i : limb) out.insert(out.end(), q + m.link(i).q_index, q + m.link(i).q_index + m.link(i).joint.nq());
+}
+
+void set_joints(const Mechanism& m, std::span<const int> limb, const double* values, double* q) {
+  for (const int i : limb) {
+    std::copy(values, values + m.link(i).joint.nq(), q + m.link(i).q_index);
+    values += m.link(i).joint.nq();
+  }
+}
+
+void place(const Mechanism& m, std::span<const int> limb, const double* q, std::span<Pose> X_WB) {
+  for (const int i : limb) {
+    const Link& link = m.link(i);
+    const Pose X_PB = link.joint.X_PJ * joint_pose(link.joint, q + link.q_index);
+    X_WB[at(i)] = link.parent < 0 ? X_PB : X_WB[at(link.parent)] * X_PB;
+  }
+}
+
 }  // namespace
 
 double reach(const Mechanism& m, std::span<const int> limb, const Pose& X_goal, const ReachOptions& o, double* q, std::span<Pose> X_WB) {
-  const auto end = at(limb.back());
+  const auto error = [&] {
+    const Pose& X = X_WB[at(limb.back())];
+    const Vec3 d = X_goal.p - X.p, turn = log_map(to_quat(X_goal.R * X.R.transposed())) * o.lever;
+    return std::array<double, 6>{d.x, d.y, d.z, turn.x, turn.y, turn.z};
+  };
+  const auto size = [](const std::array<double, 6>& y) {
+    double sum = 0;
+    for (const double x : y) sum += x * x;
+    return std::sqrt(sum);
+  };
   std::vector<Column> columns;
-  for (int iteration = 0;; ++iteration) {
-    const Pose& X_WE = X_WB[end];
-    const Vec3 place = X_goal.p - X_WE.p, turn = log_map(to_quat(X_goal.R * X_WE.R.transposed())) * o.lever;
-    const double miss = dot(place, place) + dot(turn, turn);
-    if (miss < o.enough * o.enough || iteration == o.iterations) return std::sqrt(miss);
-    columns.clear();
-    for (const int i : limb) {
-      const Link& link = m.link(i);
-      const Pose& X = X_WB[at(i)];
-      Vec6 S[6];
-      for (int k = 0, n = joint_subspace(link.joint, q + link.q_index, S); k < n; ++k) {
-        const Vec3 w = X.R * S[k].w, v = X.R * S[k].v + cross(w, X_WE.p - X.p);
-        columns.push_back({v.x, v.y, v.z, o.lever * w.x, o.lever * w.y, o.lever * w.z});
-      }
+  std::vector<double> start, before, back, step;
+  copy_joints(m, limb, q, start);
+  find_way_back(m, limb, q, start.data(), back);
+  std::array<double, 6> y = error();
+  const auto cost_of = [&](double miss) {
+    double way = 0;
+    for (const double x : back) way += x * x;
+    return miss * miss + (o.keep ? o.damping * o.damping * way : 0.0);
+  };
+  double miss = size(y), cost = cost_of(miss), share = 1;
+  for (int iteration = 0; iteration < o.iterations && miss >= o.enough; ++iteration) {
+    find_columns(m, limb, o, q, X_WB, columns);
+    if (!o.keep) std::fill(back.begin(), back.end(), 0.0);
+    for (std::size_t r = 0; r < 6; ++r)
+      for (std::size_t c = 0; c < columns.size(); ++c) y[r] -= columns[c][r] * back[c];
+    y = damped(columns, y, o.damping);
+    step = back;
+    double greatest = 0;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      for (std::size_t r = 0; r < 6; ++r) step[c] += columns[c][r] * y[r];
+      step[c] *= share;
+      greatest = std::max(greatest, std::fabs(step[c]));
     }
-    std::array<double, 6> y = {place.x, place.y, place.z, turn.x, turn.y, turn.z};
-    std::array<std::array<double, 6>, 6> A{};
-    for (std::size_t r = 0; r < 6; ++r) {
-      A[r][r] = o.damping * o.damping;
-      for (std::size_t s = 0; s < 6; ++s)
-        for (const Column& c : columns) A[r][s] += c[r] * c[s];
+    copy_joints(m, limb, q, before);
+    move(m, limb, step, q);
+    place(m, limb, q, X_WB);
+    y = error();
+    find_way_back(m, limb, q, start.data(), back);
+    const double now = size(y);
+    if (const double next = cost_of(now); next < cost) {
+      cost = next;
+      miss = now;
+      share = std::min(1.0, 2 * share);
+    } else {  // too far: back, and a shorter step
+      set_joints(m, limb, before.data(), q);
+      place(m, limb, q, X_WB);
+      y = error();
+      find_way_back(m, limb, q, start.data(), back);
+      share *= 0.25;
     }
-    solve_spd(A, y);
-    std::size_t c = 0;
-    for (const int i : limb) {
-      const Link& link = m.link(i);
-      const Joint& joint = link.joint;
-      double step[6] = {0, 0, 0, 0, 0, 0};
-      for (int k = 0; k < joint.nv(); ++k, ++c)
-        for (std::size_t r = 0; r < 6; ++r) step[k] += columns[c][r] * y[r];
-      double* own = q + link.q_index;
-      const double before = own[0];
-      joint_integrate(joint, own, step, 1.0, own);
-      if (joint.type == JointType::revolute)
-        own[0] = std::clamp(own[0], std::min(before, joint.freedoms[0].lower), std::max(before, joint.freedoms[0].upper));
-    }
-    for (const int i : limb) {
-      const Link& link = m.link(i);
-      const Pose X_PB = link.joint.X_PJ * joint_pose(link.joint, q + link.q_index);
-      X_WB[at(i)] = link.parent < 0 ? X_PB : X_WB[at(link.parent)] * X_PB;
-    }
+    if (greatest < 1e-7) break;
   }
+  return miss;
 }
 
 }  // namespace ugoki

@@ -9,9 +9,12 @@ namespace ugoki {
 
 struct ReachOptions {
   double damping = 0.02;  ///< m: a straight limb is not bent for less
+  bool keep = false;      ///< damping holds the joints to where they were at first, not only to where the step before left them:
+                          ///< what only a great turn could mend stays
   double lever = 0.3;     ///< m: an error of the end's orientation counts as one of its place at this distance
   double enough = 1e-5;   ///< m: nearer need not be
   int iterations = 6;
+  int held = -1;  ///< link of the limb whose own joint is left alone; -1: none
 };
 
 /// Moves the joints of the limb so that its end comes to X_goal as nearly as damping lets it (damped least squares: Buss 2009). A hinge is

@@ -11,7 +11,7 @@ namespace ugoki::motion_edit {
 namespace {
 
 constexpr double most_drop = 0.3;  // of the limb's length: a goal farther away is missed
-constexpr ReachOptions foot_reach = {.damping = 0.01, .lever = 0.15, .enough = 2e-6, .iterations = 40};
+constexpr ReachOptions foot_reach = {.damping = 0.01, .keep = true, .lever = 0.15, .enough = 2e-6, .iterations = 40};
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -25,6 +25,76 @@ double drop_for(const FootLimb& foot, const Vec3& goal, std::span<const Pose> X,
   const double level = to_goal.x * to_goal.x + to_goal.y * to_goal.y, room = limit * limit - level;
   return std::min(-to_goal.z - (room > 0 ? std::sqrt(room) : 0.0), most_drop * foot.length);
 }
+
+/// The one hinge between a limb's base and its end (knee), by which the limb is made longer and shorter. The distance of the end from the
+/// base is sqrt(a + b cos(angle - straight)). Damped least squares cannot leave a straight limb, this closed form can.
+class Knee {
+ public:
+  /// @param motion tells on which side of straight the limb bends
+  Knee(const Mechanism& m, const Motion& motion, const FootLimb& foot) : m_(m), foot_(foot) {
+    std::vector<Pose> X(at(m.link_count()));
+    calc_poses(m, std::span(motion.frame(0), at(motion.nq)), X);
+    for (std::size_t k = 1; k + 1 < foot.chain.size(); ++k) {
+      const int link = foot.chain[k];
+      if (m.link(link).joint.nv() == 0 || norm(X[at(link)].p - X[at(foot.chain.front())].p) < 0.1 * foot.length ||
+          norm(X[at(link)].p - X[at(foot.link)].p) < 0.1 * foot.length)
+        continue;
+      const bool another = link_ >= 0;
+      link_ = link;
+      if (another || m.link(link).joint.type != JointType::revolute) {
+        link_ = -1;
+        return;
+      }
+    }
+    if (link_ < 0) return;
+    for (int f = 0; f < motion.frames; ++f) {
+      const double* q = motion.frame(f);
+      calc_poses(m, std::span(q, at(motion.nq)), X);
+      side_ += from_straight(X).angle;
+    }
+    side_ = side_ < 0 ? -1 : 1;
+  }
+
+  /// Link of the hinge; -1: this limb has none, or several joints between base and end.
+  [[nodiscard]] int link() const { return link_; }
+
+  /// Bends the hinge so that the limb has the length of the way from its base to `goal`, within the hinge's limits.
+  void bend(const Vec3& goal, double* q, std::span<Pose> X) const {
+    if (link_ < 0) return;
+    double& angle = q[m_.link(link_).q_index];
+    const Arc arc = from_straight(X);
+    if (!(arc.b > 0)) return;
+    const Vec3 way = goal - X[at(foot_.chain.front())].p;
+    const double wanted = (dot(way, way) - arc.a) / arc.b;
+    const Freedom& limit = m_.link(link_).joint.freedoms[0];
+    const double before = angle, bent = angle - arc.angle + side_ * acos(std::clamp(wanted, -1.0, 1.0));
+    angle = std::clamp(bent, std::min(before, limit.lower), std::max(before, limit.upper));
+    for (const int i : foot_.chain) {
+      const Link& link = m_.link(i);
+      X[at(i)] = X[at(link.parent)] * link.joint.X_PJ * joint_pose(link.joint, q + link.q_index);
+    }
+  }
+
+ private:
+  struct Arc {
+    double a = 0, b = 0;  ///< m^2
+    double angle = 0;     ///< rad from straight, in (-pi, pi]
+  };
+  /// The limb's arc about its hinge.
+  [[nodiscard]] Arc from_straight(std::span<const Pose> X) const {
+    const Pose& knee = X[at(link_)];
+    const Vec3 n = knee.R * m_.link(link_).joint.axis;
+    const Vec3 to_base = X[at(foot_.chain.front())].p - knee.p, to_end = X[at(foot_.link)].p - knee.p;
+    const Vec3 u = to_base - n * dot(n, to_base), v = to_end - n * dot(n, to_end);  // turned about n, v is opposite u when straight
+    const double along = dot(n, to_end) - dot(n, to_base);
+    return {dot(u, u) + dot(v, v) + along * along, 2 * norm(u) * norm(v), atan2(-dot(n, cross(u, v)), -dot(u, v))};
+  }
+
+  const Mechanism& m_;
+  const FootLimb& foot_;
+  int link_ = -1;
+  double side_ = 0;
+};
 
 /// A smooth curve that is nowhere below `need`: the greatest need within `reach` frames, averaged twice over half of it.
 std::vector<double> smooth_above(const std::vector<double>& need, int reach) {
@@ -71,6 +141,8 @@ Motion follow_paths(const Mechanism& m, const Motion& motion, std::span<const Fo
     for (std::size_t k = 0; k < feet.size(); ++k)
       drop[at(f)] = std::max(drop[at(f)], drop_for(feet[k], paths[k].X_WF[at(f)].p, X, o.stretch));
   }
+  std::vector<Knee> knees;
+  for (const FootLimb& foot : feet) knees.emplace_back(m, motion, foot);
   drop = smooth_above(drop, static_cast<int>(o.drop_time * motion.rate + 0.5));
   for (int f = 0; f < motion.frames; ++f) {
     double* q = out.frame(f);
@@ -82,7 +154,10 @@ Motion follow_paths(const Mechanism& m, const Motion& motion, std::span<const Fo
       const Pose& goal = paths[k].X_WF[at(f)];
       told.greatest_move = std::max(told.greatest_move, norm(goal.p - X[at(foot.link)].p - Vec3{0, 0, drop[at(f)]}));
       if (foot.chain.empty()) continue;
-      (void)reach(m, foot.chain, goal, foot_reach, q, X);
+      knees[k].bend(goal.p, q, X);
+      ReachOptions with_knee = foot_reach;
+      with_knee.held = knees[k].link();
+      (void)reach(m, foot.chain, goal, with_knee, q, X);
       const double miss = norm(goal.p - X[at(foot.link)].p);
       if (!paths[k].bears[at(f)] || miss <= told.greatest_miss) continue;
       told.greatest_miss = miss;
