@@ -166,7 +166,7 @@ Plan make_plan(const FlatCircuit& flat, const Resources* resources, double dt, E
   Plan plan;
   plan.setups.reserve(flat.lsis.size());
   for (const FlatLsi& lsi : flat.lsis)
-    plan.setups.emplace_back(lsi.id, place_of(lsi), *lsi.lsi_class, lsi.parameters, resources, dt, problems);
+    plan.setups.emplace_back(lsi.id, place_of(lsi), *lsi.lsi_class, lsi.parameters, resources, dt, problems).set_every(lsi.every);
   plan.order = order_steps(flat, plan.wave_ends, problems);
   resolve_sizes(flat, plan.setups, problems);
   if (!problems.empty()) return plan;

@@ -36,6 +36,7 @@ class Setup {
   void set_out(std::size_t pin, std::uint32_t count, int subject = -1);
   void set_state(std::size_t bytes) { state_bytes_ = bytes; }
   [[nodiscard]] double dt() const { return dt_; }  ///< s, between ticks
+  [[nodiscard]] std::uint32_t every() const { return every_; }  ///< it runs at each `every`-th tick; 0: on demand
 
   /// The host's thing of type T named `name`, or null with a problem reported. T::resource_kind names the kind.
   template <class T>
@@ -46,6 +47,7 @@ class Setup {
   void fail(ErrorCode code, std::string message, std::string remedy);
 
   // For the builder.
+  void set_every(std::uint32_t every) { every_ = every; }
   Setup(std::string id, std::string place, const LsiClass& lsi_class, std::vector<Value> parameters, const Resources* resources, double dt,
         Error& problems);
   void set_in(std::size_t pin, std::vector<Shape> wires) { inputs_[pin] = std::move(wires); }
@@ -68,6 +70,7 @@ class Setup {
   std::vector<Value> parameters_;
   const Resources* resources_;
   double dt_;
+  std::uint32_t every_ = 1;
   Error* problems_;
   std::vector<std::vector<Shape>> inputs_;
   std::vector<Shape> outputs_;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "ugoki/fmi/messages.h"
 #include "ugoki/plugin/guard.h"
 #include "ugoki/plugin/load.h"
 #include "ugoki/plugin/shelf.h"
@@ -106,6 +107,10 @@ void LiveLibrary::assemble() {
   library_ = std::shared_ptr<const circuit::Library>(kept, &kept->library);
 }
 
-std::vector<std::string> LiveLibrary::take_messages() { return std::exchange(messages_, {}); }
+std::vector<std::string> LiveLibrary::take_messages() {
+  std::vector<std::string> out = std::exchange(messages_, {});
+  for (std::string& said : fmi::take_messages()) out.push_back(std::move(said));
+  return out;
+}
 
 }  // namespace ugoki::plugin

@@ -20,7 +20,7 @@ class LiveLibrary {
   [[nodiscard]] std::shared_ptr<const circuit::Library> library() const { return library_; }
   /// Looks at the disk. True: library() is another one from now on.
   bool poll();
-  /// What could not be loaded, since it was asked for last.
+  /// What could not be loaded, and what FMUs said while they ran, since it was asked for last.
   [[nodiscard]] std::vector<std::string> take_messages();
 
  private:

@@ -10,14 +10,16 @@
 #include "ugoki/base/sha256.h"
 #include "ugoki/circuit/setup.h"
 #include "ugoki/files/files.h"
+#include "ugoki/fmi/load.h"
 #include "ugoki/plugin/declarations.h"
+#include "ugoki/plugin/guard.h"
 
 namespace ugoki::plugin {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t most_bytes = std::size_t{256} << 20;
+constexpr std::size_t most_bytes = std::size_t{1} << 30;
 
 struct Code {
   void* handle = nullptr;
@@ -72,16 +74,24 @@ void* create_object(circuit::Setup& setup) {
   return object;
 }
 
+Result<LoadedLibrary> load_unit(const std::string& path, std::string bytes, const std::string& hash) {
+  Result<fmi::LoadedFmu> fmu = fmi::load_fmu(path, std::move(bytes), hash, set_phase);
+  if (!fmu) return fail(std::move(fmu.error()));
+  return LoadedLibrary{std::move(fmu->name),    std::move(fmu->version), std::move(fmu->doc), hash,
+                       std::move(fmu->classes), std::move(fmu->code)};
+}
+
 }  // namespace
 
 Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash) {
-  const Result<std::string> bytes = files::read_file(path, most_bytes);
-  if (!bytes) return fail(bytes.error());
+  Result<std::string> bytes = files::read_file(path, most_bytes);
+  if (!bytes) return fail(std::move(bytes.error()));
   LoadedLibrary out;
   out.hash = sha256(*bytes);
   if (!hash.empty() && out.hash != hash)
     return fail(ErrorCode::conflict, path, "The file is not the one that was installed: its SHA-256 is " + out.hash + ".",
-                "Install it again if you trust it: ugoki lsi install FILE.so");
+                "Install it again if you trust it: ugoki lsi install FILE");
+  if (fmi::is_zip(*bytes)) return load_unit(path, std::move(*bytes), out.hash);
   Result<std::shared_ptr<Code>> code = open_copy(path, *bytes);
   if (!code) return fail(std::move(code.error()));
   const auto entry = reinterpret_cast<const ugoki_library* (*)()>(dlsym((*code)->handle, "ugoki_lsi_library"));

@@ -1,6 +1,6 @@
 #pragma once
-// A library of LSIs in this process: opened, its declarations checked. Opening runs foreign code, so it is done in a process that
-// may end (run_guarded, the studio's interpreter), never in the one that holds a project.
+// A library of LSIs in this process: opened, its declarations checked. Opening runs foreign code (of an FMU: its first use in a circuit
+// does), so it is done in a process that may end (run_guarded, the studio's interpreter), never in the one that holds a project.
 
 #include <memory>
 #include <string>
@@ -19,6 +19,7 @@ struct LoadedLibrary {
   std::shared_ptr<void> code;  ///< the functions of `classes` live as long as this
 };
 
+/// A shared library, or an FMU.
 /// Errors (place: the path, or the LSI and pin): it cannot be opened, it is no library of LSIs, its interface has another version, its
 /// declarations contradict themselves. The file may be replaced while it is loaded: what runs is a copy.
 /// @param hash not empty: refused if the file has another one

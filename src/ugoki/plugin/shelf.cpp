@@ -6,6 +6,7 @@
 #include "ugoki/base/sha256.h"
 #include "ugoki/circuit/class_json.h"
 #include "ugoki/files/files.h"
+#include "ugoki/fmi/load.h"
 #include "ugoki/json/fields.h"
 #include "ugoki/plugin/load.h"
 
@@ -110,7 +111,8 @@ Result<ShelfEntry> put_on_shelf(const std::string& folder, const std::string& pa
   fs::create_directories(folder, ec);
   if (ec) return fail(ErrorCode::io, folder, "The folder for LSIs cannot be made: " + ec.message() + ".", "Set UGOKI_LSI to another one.");
   // The library first, under a name of its own; the manifest then makes it valid in one step.
-  const std::string name = entry.name + "-" + entry.hash.substr(0, 16) + ".so";
+  const std::string start = entry.name + "-", extension = fmi::is_zip(*bytes) ? ".fmu" : ".so";
+  const std::string name = start + entry.hash.substr(0, 16) + extension;
   entry.file = folder + "/" + name;
   if (Result<void> done = files::write_file(entry.file, std::string_view(*bytes)); !done) return fail(done.error());
   entry.source = fs::absolute(path, ec).lexically_normal().string();
@@ -120,8 +122,8 @@ Result<ShelfEntry> put_on_shelf(const std::string& folder, const std::string& pa
     return fail(done.error());
   for (const fs::directory_entry& file : fs::directory_iterator(folder, ec)) {
     const std::string other = file.path().filename().string();
-    if (other != name && other.starts_with(entry.name + "-") && other.size() == name.size() && other.ends_with(".so"))
-      fs::remove(file.path(), ec);
+    const bool version = other.starts_with(start) && fs::path(other).stem().string().size() == start.size() + 16;
+    if (other != name && version && (other.ends_with(".so") || other.ends_with(".fmu"))) fs::remove(file.path(), ec);
   }
   return entry;
 }

@@ -1,0 +1,157 @@
+#include "ugoki/fmi/code.h"
+
+#include <dlfcn.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <set>
+
+#include "ugoki/base/number.h"
+#include "ugoki/files/files.h"
+
+namespace ugoki::fmi {
+namespace {
+
+namespace fs = std::filesystem;
+
+#if defined(__aarch64__)
+constexpr const char* platform2 = "aarch64-linux";
+constexpr const char* platform3 = "aarch64-linux";
+#else
+constexpr const char* platform2 = "linux64";
+constexpr const char* platform3 = "x86_64-linux";
+#endif
+constexpr std::string_view folder_prefix = "ugoki-fmu-";
+
+std::string platform_folder(const ModelDescription& d) { return std::string("binaries/") + (d.version == 2 ? platform2 : platform3) + "/"; }
+
+/// Folders of processes that ended without tidying up (an FMU crashed).
+void sweep(const fs::path& folder) {
+  std::error_code ec;
+  for (const fs::directory_entry& e : fs::directory_iterator(folder, ec)) {
+    const std::string name = e.path().filename().string();
+    if (!name.starts_with(folder_prefix)) continue;
+    const std::string rest = name.substr(folder_prefix.size());
+    const std::optional<long> process = parse_long(rest.substr(0, rest.find('-')));
+    std::error_code ignored;
+    if (process && *process > 1 && ::kill(static_cast<pid_t>(*process), 0) != 0 && errno == ESRCH) fs::remove_all(e.path(), ignored);
+  }
+}
+
+Result<std::string> make_folder(std::string_view place) {
+  std::error_code ec;
+  const fs::path temporary = fs::temp_directory_path(ec);
+  if (!ec) sweep(temporary);
+  std::string folder = (temporary / (std::string(folder_prefix) + std::to_string(::getpid()) + "-XXXXXX")).string();
+  if (ec || ::mkdtemp(folder.data()) == nullptr)
+    return fail(ErrorCode::io, std::string(place), "There is no folder for temporary files.", "Set TMPDIR to one that can be written.");
+  return folder;
+}
+
+Result<void> unpack(const Archive& archive, const std::string& name, const std::string& folder) {
+  const Result<std::string> bytes = archive.read(name);
+  if (!bytes) return fail(bytes.error());
+  std::error_code ec;
+  fs::create_directories(fs::path(folder + "/" + name).parent_path(), ec);
+  return files::write_file(folder + "/" + name, std::string_view(*bytes));
+}
+
+/// Everything but letters, digits and a few signs as %XX.
+std::string file_uri(const std::string& path) {
+  constexpr const char* digits = "0123456789ABCDEF";
+  std::string out = "file://";
+  for (const char c : path) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       std::string_view("/-._~").find(c) != std::string_view::npos;
+    if (plain) {
+      out += c;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    out += {'%', digits[byte >> 4], digits[byte & 15]};
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string binary_name(const ModelDescription& d) { return platform_folder(d) + d.identifier + ".so"; }
+
+Result<void> check_binary(const Archive& archive, const ModelDescription& d, std::string_view place) {
+  if (archive.has(binary_name(d))) return {};
+  std::set<std::string> systems;
+  bool sources = false;
+  for (const ArchiveEntry& e : archive.entries()) {
+    sources = sources || e.name.starts_with("sources/");
+    if (!e.name.starts_with("binaries/")) continue;
+    const std::string rest = e.name.substr(9);
+    if (const auto slash = rest.find('/'); slash != std::string::npos) systems.insert(rest.substr(0, slash));
+  }
+  std::string message = "It has no binary for this system ('" + binary_name(d) + "')";
+  if (!systems.empty()) {
+    message += "; it has those for";
+    for (const std::string& s : systems) message += " " + s;
+  } else if (sources) {
+    message += ", only sources";
+  }
+  return fail(ErrorCode::unsupported, std::string(place), message + ".", "Export the FMU for Linux, or ask its maker for that.");
+}
+
+Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDescription& d, std::string_view place_view) {
+  const std::string place(place_view);
+  if (Result<void> there = check_binary(archive, d, place); !there) return fail(std::move(there.error()));
+  Result<std::string> folder = make_folder(place);
+  if (!folder) return fail(std::move(folder.error()));
+  const std::shared_ptr<Code> code(new Code);
+  code->folder_ = *folder;
+  for (const ArchiveEntry& e : archive.entries())
+    if (e.name.starts_with(platform_folder(d)) || e.name.starts_with("resources/"))
+      if (Result<void> done = unpack(archive, e.name, *folder); !done) return fail(std::move(done.error()));
+  std::error_code ec;
+  fs::create_directories(*folder + "/resources", ec);
+  code->resources_ = d.version == 2 ? file_uri(*folder + "/resources") : *folder + "/resources/";
+
+  // Never closed: some FMUs start threads that outlive their instances.
+  void* handle = ::dlopen((*folder + "/" + binary_name(d)).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (!handle) {
+    const char* why = dlerror();
+    std::string reason = why ? why : "unknown";
+    if (const auto at = reason.find(*folder + "/"); at != std::string::npos) reason.erase(at, folder->size() + 1);
+    return fail(ErrorCode::syntax, place, "The FMU's binary cannot be opened: " + reason + ".",
+                "Install what it needs, or export it for this system.");
+  }
+  std::string missing;
+  const auto find = [&](auto& function, const char* name, bool needed) {
+    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(handle, name));
+    if (!function && needed) missing += (missing.empty() ? "" : ", ") + std::string(name);
+  };
+  const auto is_needed = [&](std::string_view name) { return name.find("FMU") == std::string_view::npos || d.saves_state; };
+  if (d.version == 2) {
+#define UGOKI_FMI_FIND(result, name, arguments) find(code->two_.name, "fmi2" #name, is_needed(#name));
+    UGOKI_FMI2_FUNCTIONS(UGOKI_FMI_FIND)
+#undef UGOKI_FMI_FIND
+  } else {
+#define UGOKI_FMI_FIND(result, name, arguments) find(code->three_.name, "fmi3" #name, is_needed(#name));
+    UGOKI_FMI3_FUNCTIONS(UGOKI_FMI_FIND)
+#undef UGOKI_FMI_FIND
+#define UGOKI_FMI_FIND(type)                           \
+  find(code->three_.Get##type, "fmi3Get" #type, true); \
+  find(code->three_.Set##type, "fmi3Set" #type, true);
+    UGOKI_FMI3_NUMBERS(UGOKI_FMI_FIND)
+#undef UGOKI_FMI_FIND
+  }
+  if (!missing.empty())
+    return fail(ErrorCode::structure, place, "The FMU's binary lacks functions: " + missing + ".",
+                "Export it again for FMI " + d.written + " co-simulation.");
+  return code;
+}
+
+Code::~Code() {
+  std::error_code ec;
+  if (!folder_.empty()) fs::remove_all(folder_, ec);
+}
+
+}  // namespace ugoki::fmi

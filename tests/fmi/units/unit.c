@@ -1,0 +1,2 @@
+/* One of the models, as an FMU. */
+#include "unit.h"
