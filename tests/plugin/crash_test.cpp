@@ -46,7 +46,7 @@ class CrashTest : public PluginTest {
           for (int k = 0; k < 10; ++k)
             if (!i->tick()) {
               told_ = i->stopped()->text();
-              return told_ == "'lsi-x' stopped at 0.020 s (tick 2): Number 0 of its output 'out' is not finite. Its inputs were 'x' = 0.02."
+              return told_ == "'lsi-x' of library 'bad' stopped at 0.020 s (tick 2): Number 0 of its output 'out' is not finite. Its inputs were 'x' = 0.02."
                          ? 42
                          : 43;
             }

@@ -33,9 +33,10 @@ class Listener {
               messages.push_back(json::parse(m));
               changed.notify_all();
             },
-            [this](std::string r) {
+            [this](Problem why) {
               const std::scoped_lock lock(mutex);
-              reason = std::move(r);
+              reason = why.message + " " + why.remedy;
+              place = why.place;
               changed.notify_all();
             }};
   }
@@ -59,7 +60,7 @@ class Listener {
   std::condition_variable changed;
   std::vector<Frame> frames;
   std::vector<json> messages;
-  std::string reason;
+  std::string reason, place;
 };
 
 class ProcessTest : public testing::Test {

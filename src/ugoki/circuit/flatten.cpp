@@ -197,6 +197,11 @@ class Flattener {
           "The LSI '" + type + "' (used as '" + id + "') is missing: neither a circuit here nor installed, or in several libraries.",
           "Install it, or replace '" + id + "'; the circuit keeps it until then.");
     const std::string library = type.substr(0, slash);
+    if (const std::string* refused = library_.find_refusal(library))
+      return problem(ErrorCode::unknown, std::move(place),
+                     "The LSI '" + type.substr(slash + 1) + "' of the library '" + library + "' (used as '" + id +
+                         "') is missing, for the installed library was refused: " + *refused,
+                     "Build the library again and install it, or replace '" + id + "'; the circuit keeps it until then.");
     const bool other =
         std::any_of(library_.classes().begin(), library_.classes().end(), [&](const LsiClass& c) { return c.from == library; });
     problem(ErrorCode::unknown, std::move(place),

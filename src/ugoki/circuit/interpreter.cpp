@@ -9,7 +9,8 @@
 namespace ugoki::circuit {
 
 std::string Stop::text() const {
-  return "'" + lsi + "' stopped at " + to_fixed(time, 3) + " s (tick " + std::to_string(tick) + "): " + reason + inputs;
+  return "'" + lsi + "'" + (library.empty() ? "" : " of library '" + library + "'") + " stopped at " + to_fixed(time, 3) + " s (tick " +
+         std::to_string(tick) + "): " + reason + inputs;
 }
 
 Result<Interpreter> Interpreter::build(const Circuit& circuit, const Library& library, const Resources* resources,

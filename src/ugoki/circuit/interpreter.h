@@ -30,7 +30,8 @@ struct BuildOptions {
 /// Why an interpreter stopped. The values of delayed outputs (the state) are still those of the last good tick.
 struct Stop {
   std::string lsi;
-  std::string pin;  ///< "id.pin" of the output that was not finite; empty otherwise
+  std::string pin;      ///< "id.pin" of the output that was not finite; empty otherwise
+  std::string library;  ///< that the LSI was installed with; empty: the program's own
   std::string reason;
   std::string inputs;  ///< " Its inputs were ..." for those of few numbers
   std::uint64_t tick = 0;

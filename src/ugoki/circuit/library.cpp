@@ -109,6 +109,11 @@ const LsiClass* Library::find_exactly(std::string_view name) const {
   return at != classes_.end() && at->name == name ? &*at : nullptr;
 }
 
+const std::string* Library::find_refusal(std::string_view name) const {
+  const auto found = refused_.find(name);
+  return found == refused_.end() ? nullptr : &found->second;
+}
+
 bool Library::has(std::string_view name) const { return find_exactly(name) != nullptr; }
 
 const LsiClass* Library::find(std::string_view name) const {

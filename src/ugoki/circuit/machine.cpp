@@ -279,6 +279,7 @@ void Interpreter::Machine::fail(const Job& job, bool not_finite) {
   is_stopped = true;
   stop.lsi = u.id;
   stop.pin.clear();
+  stop.library = u.lsi_class->from;
   stop.tick = tick.index;
   stop.time = tick.time;
   stop.reason = job.call->reason[0] ? job.call->reason : "It failed without saying why.";

@@ -192,7 +192,9 @@ Result<void> Player::step() {
   m.displayed = false;
   if (!good) {
     const circuit::Stop& stop = *m.interpreter->stopped();
-    return fail(ErrorCode::range, stop.lsi, stop.text(), "Go back to an earlier moment, or make the step shorter.");
+    return fail(ErrorCode::range, stop.pin.empty() ? stop.lsi : stop.pin, stop.text(),
+                stop.library.empty() ? "Go back to an earlier moment, or make the step shorter."
+                                     : "Look at its inputs, or correct the LSI and build it again.");
   }
   lsi::set_count(m.live.data(), 0);
   return {};

@@ -40,7 +40,7 @@ struct Kept {
 }  // namespace
 
 struct LiveLibrary::Source {
-  std::string path, hash, stamp;
+  std::string path, hash, stamp, name, refusal;
   std::optional<LoadedLibrary> loaded;
 };
 
@@ -52,9 +52,9 @@ LiveLibrary::LiveLibrary(const circuit::Library& base, std::string shelf, std::v
 LiveLibrary::~LiveLibrary() = default;
 
 void LiveLibrary::find_sources(std::vector<Source>& out) const {
-  for (const std::string& file : files_) out.push_back({file, {}, {}, {}});
+  for (const std::string& file : files_) out.push_back({file, {}, {}, fs::path(file).stem().string(), {}, {}});
   if (!shelf_.empty())
-    for (const ShelfEntry& e : read_shelf(shelf_)) out.push_back({e.file, e.hash, {}, {}});
+    for (const ShelfEntry& e : read_shelf(shelf_)) out.push_back({e.file, e.hash, {}, e.name, {}, {}});
 }
 
 bool LiveLibrary::poll() {
@@ -83,6 +83,7 @@ bool LiveLibrary::poll() {
       s.loaded = std::move(*loaded);
     } else {
       messages_.push_back(loaded.error().text());
+      s.refusal = loaded.error().problems[0].message;
       if (old) s.loaded = old->loaded;  // what runs goes on until there is something better
     }
   }
@@ -95,6 +96,7 @@ void LiveLibrary::assemble() {
   auto kept = std::make_shared<Kept>();
   kept->library = base_;
   for (const Source& s : sources_) {
+    if (!s.loaded) kept->library.note_refused(s.name, s.refusal);
     if (!s.loaded) continue;
     for (const circuit::LsiClass& c : s.loaded->classes) {
       if (kept->library.has(c.name))

@@ -9,6 +9,7 @@
 #include "ugoki/base/hash.h"
 #include "ugoki/base/number.h"
 #include "ugoki/content/display_frame.h"
+#include "ugoki/json/json.h"
 #include "ugoki/studio/frame.h"
 
 namespace ugoki::studio {
@@ -495,7 +496,10 @@ void Interpreter::anchor() {
 
 void Interpreter::finish_play() {
   playing_ = false;
-  if (!blown_up_) status_ = "end";
+  if (blown_up_ && mode_ == PlayMode::simulate)
+    report_stop();  // it is told again: nothing else says why nothing comes after this
+  else
+    status_ = "end";
   report_transport();
   report_summary();
 }
@@ -503,10 +507,16 @@ void Interpreter::finish_play() {
 void Interpreter::stop(const Error& error) {
   blown_up_ = true;
   playing_ = false;
-  status_ = error.text();
-  while (!status_.empty() && status_.back() == '\n') status_.pop_back();
-  sink_.message(Json{{"event", "stopped"}, {"reason", status_}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  stop_ = error;
+  report_stop();
   report_transport();
+}
+
+void Interpreter::report_stop() {
+  status_ = stop_.text();
+  while (!status_.empty() && status_.back() == '\n') status_.pop_back();
+  const Json event{{"event", "stopped"}, {"reason", status_}, {"problems", json::error_json(stop_)["problems"]}};
+  sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void Interpreter::report_transport() {

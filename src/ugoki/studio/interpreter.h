@@ -90,6 +90,7 @@ class Interpreter {
   void anchor();
   void finish_play();
   void stop(const Error& error);
+  void report_stop();
   void report_transport();
   void report_summary();
   void report_in_time();
@@ -122,6 +123,7 @@ class Interpreter {
   CircuitWatch watch_;
   double values_reported_ = -1;
   std::string status_ = "ready";
+  Error stop_;  ///< why it blew up
   std::vector<std::byte> frame_;
 };
 

@@ -115,11 +115,14 @@ void InterpreterProcess::listen() {
     if (!message) break;
     if (!ending_) events_.message(std::move(message->text));
   }
-  const std::string reason = wait_for_end();
-  if (!ending_) events_.ended(reason);
+  Problem why = wait_for_end();
+  if (!ending_) events_.ended(std::move(why));
 }
 
-std::string InterpreterProcess::wait_for_end() {
+Problem InterpreterProcess::wait_for_end() {
+  const auto told = [](std::string message) {
+    return Problem{ErrorCode::io, "interpreter", std::move(message), "The project is safe; play to start it again."};
+  };
   int status = 0;
   pid_t got = 0;
   for (int i = 0; i < 100 && got == 0; ++i) {  // it ends by itself when the socket closes
@@ -131,12 +134,13 @@ std::string InterpreterProcess::wait_for_end() {
     while ((got = waitpid(pid_, &status, 0)) < 0 && errno == EINTR) {
     }
   }
-  if (unanswering_) return "The interpreter did not answer any more and was ended. The project is safe; play to start it again.";
+  if (unanswering_) return told("The interpreter did not answer any more and was ended.");
   std::string words(4096, '\0');  // written before the process ended, so there without waiting
   words.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(words_, words.data(), words.size()))));
   if (!words.empty()) {
-    const Problem problem = plugin::read_last_words(words, "ended").problems[0];
-    return problem.message + " " + problem.remedy + " The project is safe; play to start it again.";
+    Problem problem = std::move(plugin::read_last_words(words, "ended").problems[0]);
+    problem.remedy += " The project is safe; play to start it again.";
+    return problem;
   }
   std::string how = "ended";
   if (got == pid_ && WIFSIGNALED(status)) {
@@ -144,7 +148,7 @@ std::string InterpreterProcess::wait_for_end() {
   } else if (got == pid_ && WIFEXITED(status)) {
     how = "ended with status " + std::to_string(WEXITSTATUS(status));
   }
-  return "The interpreter " + how + ". The project is safe; play to start it again.";
+  return told("The interpreter " + how + ".");
 }
 
 }  // namespace ugoki::studio

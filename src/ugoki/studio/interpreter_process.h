@@ -26,7 +26,8 @@ struct InterpreterProgram {
 struct InterpreterEvents {
   std::function<void(std::vector<std::byte>)> frame;
   std::function<void(std::string)> message;  ///< an event, or a reply to a request
-  std::function<void(std::string)> ended;    ///< the process died by itself; a sentence that says how. The last call
+  /// The process died by itself: how, and where (the flat id of an LSI, if it was one's fault). The last call.
+  std::function<void(Problem)> ended;
 };
 
 class InterpreterProcess {
@@ -46,7 +47,7 @@ class InterpreterProcess {
  private:
   InterpreterProcess(Channel control, FrameRing ring, int signal, int words, int pid, InterpreterEvents events);
   void listen();
-  std::string wait_for_end();
+  Problem wait_for_end();
 
   Channel control_;
   FrameRing ring_;

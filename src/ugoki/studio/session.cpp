@@ -11,6 +11,7 @@
 #include "ugoki/content/track.h"
 #include "ugoki/files/files.h"
 #include "ugoki/json/json.h"
+#include "ugoki/plugin/shelf.h"
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/frame.h"
 
@@ -39,6 +40,12 @@ void strip(circuit::Circuit& circuit) {
     lsi.at = {};
   }
   for (circuit::Circuit& inner : circuit.circuits) strip(inner);
+}
+
+/// Changes when a library is installed or removed.
+std::filesystem::file_time_type shelf_stamp() {
+  std::error_code ignored;
+  return std::filesystem::last_write_time(plugin::default_shelf(), ignored);
 }
 
 /// Problems of the interpreter's reply.
@@ -146,6 +153,7 @@ std::string Session::hello() const {
   std::string fields = "," + document_fields() + ",\"transport\":" + transport_event() + ",\"choices\":" + choices();
   fields += ",\"circuit_problems\":" + text_of(json::error_json(circuit_problems_)["problems"]);
   if (!lsis_.empty()) fields += ",\"lsis\":" + lsis_;
+  if (!stopped_.empty()) fields += ",\"stopped\":" + stopped_;
   return fields;
 }
 
@@ -350,8 +358,8 @@ Result<void> Session::ensure_interpreter() {
       if (generation == generation_) on_interpreter_message(message);
     });
   };
-  events.ended = [this, generation](std::string reason) {
-    post_([this, generation, why = std::move(reason)] {
+  events.ended = [this, generation](Problem problem) {
+    post_([this, generation, why = std::move(problem)] {
       if (generation == generation_) on_interpreter_end(why);
     });
   };
@@ -381,10 +389,19 @@ void Session::on_interpreter_message(const std::string& text) {
   const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) return;
   if (const auto event = message.find("event"); event != message.end() && event->is_string()) {
-    if (*event == "transport") transport_ = text;
-    if (*event == "summary") summary_ = text;
-    if (*event == "lsis") lsis_ = text;
     outbox_.broadcast(text);
+    if (*event == "summary") summary_ = text;
+    if (*event == "stopped") stopped_ = text;
+    if (*event == "transport") {
+      transport_ = text;
+      if (message.value("playing", false) || message.value("status", "") == "ready") stopped_.clear();
+    }
+    if (*event == "lsis") {
+      const bool others = !lsis_.empty() && text != lsis_;
+      lsis_ = text;
+      // What was missing may be there now.
+      if (others && !circuit_problems_.empty()) send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
+    }
     return;
   }
   const auto id = message.find("reply");
@@ -411,16 +428,13 @@ void Session::on_interpreter_message(const std::string& text) {
   }
 }
 
-void Session::on_interpreter_end(const std::string& reason) {
+void Session::on_interpreter_end(const Problem& why) {
   double time = 0;
   {
     const std::scoped_lock lock(frame_mutex_);
     if (last_frame_) time = frame_time(*last_frame_);
   }
-  lose_interpreter(reason + " It stood at " + to_fixed(time, 2) + " s.");
-}
-
-void Session::lose_interpreter(const std::string& reason) {
+  const std::string reason = why.message + " " + why.remedy + " It stood at " + to_fixed(time, 2) + " s.";
   ++generation_;
   pid_ = -1;
   process_.reset();
@@ -431,7 +445,11 @@ void Session::lose_interpreter(const std::string& reason) {
       reply(pending.client, pending.reply_to, fail(ErrorCode::io, "interpreter", reason, "Play again; it will be started anew."));
     }
   }
-  outbox_.broadcast(text_of({{"event", "stopped"}, {"reason", reason}}));
+  shelf_stamp_ = shelf_stamp();
+  Error told;
+  told.problems.push_back(why);
+  stopped_ = text_of({{"event", "stopped"}, {"reason", reason}, {"problems", json::error_json(told)["problems"]}});
+  outbox_.broadcast(stopped_);
   Json transport = Json::parse(transport_event(), nullptr, false);
   transport["playing"] = false;
   transport["simulated"] = 0;
@@ -441,7 +459,14 @@ void Session::lose_interpreter(const std::string& reason) {
 }
 
 void Session::on_time() {
-  if (!process_) return;
+  if (!process_) {
+    // Another library may be the repair: a new interpreter shows it, and gets the content ready.
+    if (!stopped_.empty() && shelf_stamp() != shelf_stamp_) {
+      shelf_stamp_ = shelf_stamp();
+      if (Result<void> r = ensure_interpreter(); !r) log("error", r.error().text());
+    }
+    return;
+  }
   const auto now = std::chrono::steady_clock::now();
   if (ping_ == 0) {
     if (now - ping_time_ < options_.patience / 10) return;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -87,8 +88,7 @@ class Session {
   [[nodiscard]] Result<void> ensure_interpreter();
   bool send_to_interpreter(std::string request, const std::vector<std::byte>& block, Pending pending);
   void on_interpreter_message(const std::string& text);
-  void on_interpreter_end(const std::string& reason);
-  void lose_interpreter(const std::string& reason);
+  void on_interpreter_end(const Problem& why);
   [[nodiscard]] std::string document_fields() const;
   [[nodiscard]] std::string transport_event() const;
   void log(std::string_view level, std::string_view text);
@@ -102,11 +102,13 @@ class Session {
 
   std::unique_ptr<InterpreterProcess> process_;
   std::atomic<int> pid_ = -1;
-  std::uint64_t generation_ = 0;       ///< of the process; what comes from older ones is ignored
-  std::vector<std::byte> executable_;  ///< the newest that could be generated
-  std::string lsis_;                   ///< newest lsis event: what circuits may be made of
-  std::string watch_;                  ///< newest request to watch the circuit, for a new interpreter; may be empty
-  Error circuit_problems_;             ///< why the content as it is cannot be played; empty: it can
+  std::uint64_t generation_ = 0;                 ///< of the process; what comes from older ones is ignored
+  std::vector<std::byte> executable_;            ///< the newest that could be generated
+  std::string lsis_;                             ///< newest lsis event: what circuits may be made of
+  std::string stopped_;                          ///< newest stopped event, until it runs again; may be empty
+  std::filesystem::file_time_type shelf_stamp_;  ///< of the installed libraries when the interpreter was lost
+  std::string watch_;                            ///< newest request to watch the circuit, for a new interpreter; may be empty
+  Error circuit_problems_;                       ///< why the content as it is cannot be played; empty: it can
   int last_request_ = 0;
   std::map<int, Pending> pending_;
   int ping_ = 0;  ///< request id of a ping without answer; 0: none

@@ -1,0 +1,193 @@
+// Libraries of LSIs that go wrong, in the studio's own arrangement of processes: each fault ends with a message that names LSI, pin and
+// time; the studio lives, and the project is as it was, with its unsaved edits and their undo.
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "../content/fixture.h"
+#include "page.h"
+#include "ugoki/plugin/build.h"
+#include "ugoki/plugin/shelf.h"
+#include "ugoki/studio/studio.h"
+
+namespace ugoki::studio {
+namespace {
+
+using nlohmann::json;
+using test::Page;
+namespace fs = std::filesystem;
+
+const char* const faulty = R"(#include <math.h>
+/// @library faulty
+int quotient(double t, int b) { return t > 0.1 ? 7 / b : 7; }
+double null(double t) { return t > 0.1 ? *(volatile double*)0 : t; }
+double forever(double t) { while (t > 0.1) { __asm__ volatile(""); } return t; }
+double invalid(double t) { return t > 0.1 ? NAN : t; }
+double good(double t) { return 2 * t; }
+)";
+const char* const mended = R"(/// @library faulty
+double null(double t) { return 3 * t; }
+)";
+
+class PluginFaultsTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "ugoki-faults-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    shelf_ = folder_ + "/lsi";
+    ASSERT_EQ(::setenv("UGOKI_LSI", shelf_.c_str(), 1), 0);
+  }
+  void TearDown() override {
+    studio_.reset();
+    ::unsetenv("UGOKI_LSI");
+    fs::remove_all(folder_);
+  }
+  void start() {
+    auto project = project::Project::create(folder_ + "/park.ugoki", content::testing::make_scenario(), content::testing::make_resources());
+    ASSERT_TRUE(project) << project.error().text();
+    StudioOptions options;
+    options.library_path = folder_ + "/library.db";
+    options.interpreter = {"/proc/self/exe", {"interpret"}};
+    Result<std::unique_ptr<Studio>> started = Studio::start(options, std::move(*project));
+    ASSERT_TRUE(started) << started.error().text();
+    studio_ = std::move(*started);
+  }
+  void install(const std::string& text) const {
+    std::ofstream(folder_ + "/faulty.c") << text;
+    const auto built = plugin::build_library({folder_ + "/faulty.c", {}, {}, {}});
+    ASSERT_TRUE(built) << built.error().text();
+    const auto described = plugin::describe_library(built->output);
+    ASSERT_TRUE(described) << described.error().text();
+    const auto put = plugin::put_on_shelf(shelf_, built->output, *described);
+    ASSERT_TRUE(put) << put.error().text();
+  }
+  /// A clock whose time the LSI `faulty/TYPE`, called x, takes.
+  static json use(const std::string& type) {
+    return {{"op", "command"},
+            {"command",
+             {{"type", "circuit.edit"},
+              {"label", "Add " + type},
+              {"changes",
+               {{{"list", "lsis"}, {"put", {{"id", "clock"}, {"type", "clock"}}}},
+                {{"list", "lsis"}, {"put", {{"id", "x"}, {"type", "faulty/" + type}, {"values", json::object()}}}},
+                {{"list", "wires"}, {"put", {{"from", "clock.time"}, {"to", "x.t"}}}}}}}}};
+  }
+  /// Plays the content with the LSI until it stops. @return the event `stopped`
+  json play_until_stopped(Page& p, json edit) {
+    EXPECT_EQ(p.ask({{"op", "hello"}})["ok"], true);
+    if (edit["command"]["changes"][1]["put"]["type"] == "faulty/quotient") edit["command"]["changes"][1]["put"]["values"] = {{"b", 0}};
+    EXPECT_EQ(p.ask(edit)["ok"], true);
+    EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+    EXPECT_EQ(p.ask({{"op", "play"}})["ok"], true);
+    return p.event("stopped");
+  }
+  void expect_fault(const std::string& lsi, const std::string& what, const std::string& place = "x") {
+    install(faulty);
+    start();
+    Page p = page();
+    const json stopped = play_until_stopped(p, use(lsi));
+    ASSERT_TRUE(stopped.contains("problems")) << stopped;
+    const json& problem = stopped["problems"][0];
+    EXPECT_EQ(problem["place"], place) << stopped;
+    const std::string message = problem["message"];
+    EXPECT_NE(message.find("'x'"), std::string::npos) << message;
+    EXPECT_NE(message.find("of library 'faulty'"), std::string::npos) << message;
+    EXPECT_NE(message.find(what), std::string::npos) << message;
+    EXPECT_NE(message.find(" at 0.10"), std::string::npos) << message;
+    EXPECT_NE(message.find("Its inputs were 't' = 0.10"), std::string::npos) << message;
+    expect_intact(p, "Add " + lsi);
+  }
+  /// The unsaved edit is there, can be undone and done again, and without the LSI the content runs.
+  void expect_intact(Page& p, const std::string& label) {
+    const json hello = p.ask({{"op", "hello"}});
+    EXPECT_EQ(hello["unsaved"], true);
+    EXPECT_EQ(hello["undo_label"], label);
+    ASSERT_EQ(hello["document"]["circuit"]["lsis"].back()["id"], "x");
+    EXPECT_FALSE(hello["stopped"]["problems"].empty()) << "a page that comes later is told too";
+    EXPECT_EQ(p.ask({{"op", "save"}})["ok"], true);
+    EXPECT_EQ(p.ask({{"op", "undo"}})["label"], label);
+    EXPECT_TRUE(p.ask({{"op", "hello"}})["document"]["circuit"].is_null());
+    EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+    EXPECT_EQ(p.ask({{"op", "restart"}})["ok"], true);
+    EXPECT_EQ(p.ask({{"op", "play"}})["ok"], true);
+    EXPECT_FALSE(p.event("transport", [](const json& e) { return e["playing"] == true && e["simulated"] > 0.3; }).is_null());
+    EXPECT_FALSE(p.ask({{"op", "hello"}}).contains("stopped"));
+    EXPECT_EQ(p.ask({{"op", "pause"}})["ok"], true);
+    EXPECT_EQ(p.ask({{"op", "redo"}})["label"], label);
+    EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["circuit"]["lsis"].back()["id"], "x");
+  }
+  Page page() { return {studio_->port(), studio_->token()}; }
+
+  std::string folder_, shelf_;
+  std::unique_ptr<Studio> studio_;
+};
+
+TEST_F(PluginFaultsTest, AWholeNumberDividedByZero) { expect_fault("quotient", "divided a whole number by zero"); }
+TEST_F(PluginFaultsTest, ANullPointer) { expect_fault("null", "used a null pointer"); }
+TEST_F(PluginFaultsTest, ALoopForEver) { expect_fault("forever", "did not come back within 3.0 s and was stopped"); }
+TEST_F(PluginFaultsTest, NotANumberNamesThePin) { expect_fault("invalid", "Number 0 of its output 'out' is not finite", "x.out"); }
+
+TEST_F(PluginFaultsTest, AWrongInterfaceIsRefusedAndNamedWhereItIsUsed) {
+  install(faulty);
+  // The same library as an older program might have installed it: its bytes differ in the one number, its hash is right.
+  const std::string manifest = shelf_ + "/faulty.json";
+  json entry = json::parse(std::ifstream(manifest));
+  const std::string file = shelf_ + "/" + entry["file"].get<std::string>();
+  std::ofstream(folder_ + "/old.c") << "#include <ugoki/lsi.h>\nstatic const ugoki_library l = {sizeof l, 77u, \"faulty\", \"1\"};\n"
+                                       "const ugoki_library* ugoki_lsi_library(void) { return &l; }\n";
+  ASSERT_EQ(std::system(("clang-19 -shared -fPIC -I" UGOKI_INCLUDE " -o " + file + " " + folder_ + "/old.c").c_str()), 0);
+  ASSERT_EQ(std::system(("sha256sum " + file + " > " + folder_ + "/sum").c_str()), 0);
+  std::string sum;
+  std::ifstream(folder_ + "/sum") >> sum;
+  entry["sha256"] = sum;
+  std::ofstream(manifest) << entry.dump();
+
+  start();
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(use("good"))["ok"], true) << "the circuit keeps what it cannot run";
+  const json told = p.event("circuit");
+  ASSERT_FALSE(told.is_null());
+  const std::string message = told["problems"][0]["message"];
+  EXPECT_NE(message.find("'good' of the library 'faulty' (used as 'x')"), std::string::npos) << message;
+  EXPECT_NE(message.find("built for version 77 of the interface"), std::string::npos) << message;
+  EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], false);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["circuit"]["lsis"].back()["type"], "faulty/good");
+
+  install(faulty);  // built again: it runs without a restart of the studio
+  EXPECT_TRUE(p.event("circuit")["problems"].empty());
+  EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+}
+
+TEST_F(PluginFaultsTest, LibrariesAreSeenWithoutARestartAndARepairIsTakenUp) {
+  start();
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  const auto has = [](const std::string& name) {
+    return [name](const json& e) {
+      for (const json& c : e["classes"])
+        if (c["name"] == name) return true;
+      return false;
+    };
+  };
+  install(faulty);
+  ASSERT_FALSE(p.event("lsis", has("faulty/good")).is_null());
+  const json stopped = play_until_stopped(p, use("null"));
+  ASSERT_FALSE(stopped.is_null());
+  install(mended);
+  EXPECT_FALSE(p.event("lsis", has("faulty/null")).is_null()) << "the palette is up to date though nothing was played";
+  (void)p.ask({{"op", "watch"}, {"pins", {"x.out"}}, {"probes", json::array()}, {"timing", false}});
+  EXPECT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  const json values = p.event("values", [](const json& e) { return e["time"] > 0.3; });
+  ASSERT_FALSE(values.is_null());
+  EXPECT_NEAR(values["pins"][0][2][0].get<double>(), 3 * values["time"].get<double>(), 0.02);
+}
+
+}  // namespace
+}  // namespace ugoki::studio
