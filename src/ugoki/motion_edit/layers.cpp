@@ -1,0 +1,113 @@
+#include "ugoki/motion_edit/layers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::motion_edit {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Moment of the layer at time t of the base and how much it counts there, by its fades.
+struct Moment {
+  double time = 0, share = 0;
+};
+Moment moment_of(const Motion& layer, const LayerOptions& o, double t, double end) {
+  double local = t - o.offset;
+  const double last = layer.cyclic ? std::max(end - o.offset, 0.0) : layer.duration();
+  if (local < -1e-9 || local > last + 1e-9) return {};
+  const auto eased = [](double x) { return x >= 1 ? 1.0 : x <= 0 ? 0.0 : x * x * x * (10 + x * (6 * x - 15)); };
+  // At the base's own ends there is nothing to ease from.
+  const double in = o.fade > 0 && o.offset > 0 ? eased(local / o.fade) : 1;
+  const double out = o.fade > 0 && o.offset + last < end - 1e-9 ? eased((last - local) / o.fade) : 1;
+  if (layer.cyclic && layer.duration() > 0) local -= layer.duration() * std::floor(local / layer.duration());
+  return {local, in * out};
+}
+
+Error check(const Mechanism& m, const Motion& base, const Motion& layer, const JointMask& mask) {
+  Error errors = check_motion(base, m);
+  const Error wrong = check_motion(layer, m);
+  errors.problems.insert(errors.problems.end(), wrong.problems.begin(), wrong.problems.end());
+  if (mask.size() != at(m.link_count()))
+    errors.add(ErrorCode::structure, "mask",
+               "It has " + std::to_string(mask.size()) + " weights for " + std::to_string(m.link_count()) + " links.",
+               "Make it for this mechanism.");
+  return errors;
+}
+
+}  // namespace
+
+Result<JointMask> make_mask(const Mechanism& m, std::span<const MaskEntry> entries) {
+  JointMask mask(at(m.link_count()), entries.empty() ? 1.0 : 0.0);
+  Error errors;
+  for (const MaskEntry& e : entries) {
+    if (!(e.weight >= 0 && e.weight <= 1))
+      errors.add(ErrorCode::range, "mask, link '" + e.link + "'", "Its weight is " + to_text(e.weight) + ".", "Give a weight from 0 to 1.");
+    bool found = e.link == "*";
+    std::vector<bool> in(mask.size(), e.link == "*");
+    for (int i = 0; i < m.link_count(); ++i) {
+      const Link& link = m.link(i);
+      const bool named = link.name == e.link || (!link.label.empty() && link.label == e.link);
+      found = found || named;
+      if (named || (e.with_children && link.parent >= 0 && in[at(link.parent)])) in[at(i)] = true;
+      if (in[at(i)]) mask[at(i)] = e.weight;
+    }
+    if (!found)
+      errors.add(ErrorCode::unknown, "mask, link '" + e.link + "'", "Mechanism " + m.name() + " has no link of this name or label.",
+                 "List its links with `ugoki info`.");
+  }
+  if (!errors.empty()) return fail(std::move(errors));
+  return mask;
+}
+
+Result<Motion> mix_joints(const Mechanism& m, const Motion& base, const Motion& other, const JointMask& mask, const LayerOptions& o) {
+  if (Error wrong = check(m, base, other, mask); !wrong.empty()) return fail(std::move(wrong));
+  if (!(o.weight >= 0 && o.weight <= 1))
+    return fail(ErrorCode::range, "layer " + other.name, "Its weight is " + to_text(o.weight) + ".", "Give a weight from 0 to 1.");
+  Motion out = base;
+  std::vector<double> q(at(m.nq())), step(6);
+  for (int f = 0; f < base.frames; ++f) {
+    const Moment now = moment_of(other, o, f / base.rate, base.duration());
+    if (now.share == 0) continue;
+    sample(other, m, now.time, q);
+    for (int i = 0; i < m.link_count(); ++i) {
+      const Link& link = m.link(i);
+      const double s = mask[at(i)] * o.weight * now.share;
+      double* own = out.frame(f) + link.q_index;
+      if (s == 0) continue;
+      if (s == 1) {
+        std::copy_n(q.data() + link.q_index, link.joint.nq(), own);
+        continue;
+      }
+      joint_difference(link.joint, own, q.data() + link.q_index, step.data());
+      joint_integrate(link.joint, own, step.data(), s, own);
+    }
+  }
+  return out;
+}
+
+Result<Motion> add_layer(const Mechanism& m, const Motion& base, const Motion& layer, const JointMask& mask, const LayerOptions& o) {
+  if (Error wrong = check(m, base, layer, mask); !wrong.empty()) return fail(std::move(wrong));
+  if (!std::isfinite(o.weight)) return fail(ErrorCode::range, "layer " + layer.name, "Its weight is no number.", "Give a finite number.");
+  Motion out = base;
+  std::vector<double> q(at(m.nq())), step(6);
+  for (int f = 0; f < base.frames; ++f) {
+    const Moment now = moment_of(layer, o, f / base.rate, base.duration());
+    if (now.share == 0) continue;
+    sample(layer, m, now.time, q);
+    for (int i = 0; i < m.link_count(); ++i) {
+      const Link& link = m.link(i);
+      const double s = mask[at(i)] * o.weight * now.share;
+      if (s == 0) continue;
+      double* own = out.frame(f) + link.q_index;
+      joint_difference(link.joint, layer.frame(0) + link.q_index, q.data() + link.q_index, step.data());
+      joint_integrate(link.joint, own, step.data(), s, own);
+    }
+  }
+  return out;
+}
+
+}  // namespace ugoki::motion_edit
