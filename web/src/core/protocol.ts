@@ -144,8 +144,19 @@ export interface LibraryEntry {
   height?: number;
   cyclic?: boolean;
   created?: string;
-  /** 0 ... 1 over the motion's time, of the freedom that moves most. */
-  curve?: number[];
+  /** What the library calls it through all its versions; absent: it is in the open project only. */
+  entry?: string;
+  version?: number;
+  note?: string;
+  source?: string;
+  /** Who saved its newest version, and when. */
+  by?: string;
+  changed?: string;
+  size?: number;
+  /** The library has a picture of it. */
+  thumbnail?: boolean;
+  /** When it was thrown into the trash; empty: it was not. */
+  removed?: string;
 }
 
 export interface ShapeData {

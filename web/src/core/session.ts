@@ -78,7 +78,6 @@ export class Session {
 
   start(): void {
     this.client.connect();
-    void this.load_library();
   }
 
   retry(): void {
@@ -244,36 +243,14 @@ export class Session {
 
   // ---- library ----
 
-  async load_library(): Promise<void> {
-    try {
-      const answer = await this.fetch_json<{ entries: LibraryEntry[] }>('api/library');
-      this.set({ library: answer.entries, library_state: 'ready' });
-      for (const entry of answer.entries) if (entry.kind === 'mechanism') void this.need_mechanism(entry.id);
-    } catch (error) {
-      this.set({ library_state: 'failed' });
-      this.fail(error as Error);
-    }
-  }
+  /** Told when the service says that the library changed. */
+  on_library: () => void = () => undefined;
+  private readonly entries = new Map<string, LibraryEntry>();
 
-  async import_files(files: readonly File[]): Promise<void> {
-    // skeletons first: AMC files need their ASF
-    const ordered = [...files].sort((a, b) => Number(/\.asf$/i.test(b.name)) - Number(/\.asf$/i.test(a.name)));
-    for (const file of ordered) {
-      try {
-        const answer = await this.fetch_json<{ entries: LibraryEntry[]; report?: string[] }>(
-          `api/import?name=${encodeURIComponent(file.name)}`,
-          { method: 'POST', body: file },
-        );
-        const lines = answer.report ?? [];
-        this.set({ import_report: { file: file.name, lines } });
-        this.log('info', `Imported ${file.name}: ${answer.entries.map((e) => e.name).join(', ') || 'nothing new'}`);
-        await this.load_library();
-        const first = answer.entries.find((e) => e.kind === 'motion') ?? answer.entries[0];
-        if (first) this.select({ kind: 'entry', entry: first.id });
-      } catch (error) {
-        this.fail(error as Error, file.name);
-      }
-    }
+  /** Entries that were seen somewhere: from now on entry() finds them. */
+  know(entries: readonly LibraryEntry[]): void {
+    for (const entry of entries) this.entries.set(entry.id, entry);
+    if (entries.length > 0) this.set({ library_revision: this.state.library_revision + 1 });
   }
 
   async need_mechanism(id: string): Promise<void> {
@@ -290,7 +267,7 @@ export class Session {
   }
 
   entry(id: string): LibraryEntry | undefined {
-    return this.state.library.find((e) => e.id === id);
+    return this.entries.get(id);
   }
 
   /** A new id for what the page adds; the service refuses one that is taken. */
@@ -420,7 +397,7 @@ export class Session {
         this.set({ summary: { characters: event.characters ?? [], contacts: event.contacts ?? [] } });
         break;
       case 'library':
-        void this.load_library();
+        this.on_library();
         break;
       case 'lsis':
         this.take_lsis(event);

@@ -3,7 +3,7 @@ import type { ScenarioDocument } from './document';
 import type { KeymapName } from './keymap';
 import { ClassList } from './circuit/classes';
 import type { Circuit } from './circuit/form';
-import type { CharacterInfo, LibraryEntry, LogLine, MechanismData, Problem, ProjectInfo, Summary, Transport } from './protocol';
+import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, Summary, Transport } from './protocol';
 
 export type Selection =
   | { kind: 'none' }
@@ -25,6 +25,8 @@ export interface ViewOptions {
   ghosts: boolean;
   trail: boolean;
   contacts: boolean;
+  /** Lines between the nearest points of figures and things, with the distance. */
+  nearest: boolean;
   follow: boolean;
   assist: boolean;
 }
@@ -68,7 +70,6 @@ export interface StudioState {
   theme: 'dark' | 'light';
   toasts: Toast[];
   dialog: 'none' | 'palette' | 'keys' | 'save_as';
-  import_report: { file: string; lines: string[] } | null;
 }
 
 export const initial_transport: Transport = {
@@ -106,12 +107,11 @@ export const initial_state: StudioState = {
   library_state: 'loading',
   mechanisms: {},
   selection: { kind: 'none' },
-  view: { perspective: true, ghosts: false, trail: false, contacts: false, follow: false, assist: true },
+  view: { perspective: true, ghosts: false, trail: false, contacts: false, nearest: false, follow: false, assist: true },
   keymap: 'industry',
   theme: 'dark',
   toasts: [],
   dialog: 'none',
-  import_report: null,
 };
 
 /** What the user chose in another page or at another time; whatever it is, only known words count. */

@@ -1,10 +1,12 @@
 import { DockviewReact, type DockviewApi, type DockviewReadyEvent, type IDockviewPanelHeaderProps } from 'dockview';
 import { useEffect, useRef, type FunctionComponent, type ReactElement } from 'react';
 import { is_typing, key_of } from '../core/keymap';
-import { parts, registry, session, useStudio } from './app';
+import { imports, parts, registry, session, useStudio } from './app';
 import { Banners, Dialogs, Toasts } from './dialogs';
 import { InspectorPanel } from './InspectorPanel';
-import { LibraryPanel } from './LibraryPanel';
+import { files_of } from './library/files';
+import { ImportDialog } from './library/ImportDialog';
+import { LibraryPanel } from './library/LibraryPanel';
 import { CircuitPanel } from './circuit/CircuitPanel';
 import { LogPanel, NaturalnessPanel } from './lower_panels';
 import { ScenarioPanel } from './ScenarioPanel';
@@ -112,7 +114,7 @@ export function App(): ReactElement {
     const file_drop = (event: DragEvent): void => {
       if (!event.dataTransfer?.files.length || event.defaultPrevented) return;
       event.preventDefault();
-      void session.import_files([...event.dataTransfer.files]);
+      void files_of(event.dataTransfer).then((files) => imports.add(files));
     };
     window.addEventListener('keydown', down);
     window.addEventListener('mousedown', press);
@@ -186,6 +188,7 @@ export function App(): ReactElement {
       </main>
       <Toasts />
       <Dialogs />
+      <ImportDialog />
     </div>
   );
 }

@@ -2,12 +2,13 @@ import { useEffect, useRef, type ReactElement } from 'react';
 import { apply_command, find_character, find_clip, find_event, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
 import { format_number, say_label } from '../core/format';
 import { link_position } from '../core/frames';
-import { describe_entry, tags_of } from '../core/library';
+import { describe_entry } from '../core/library/words';
 import type { LibraryEntry, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
-import { add_character, append_motion, run } from './actions';
+import { run } from './actions';
 import { session, useStudio } from './app';
 import { CircuitSelection } from './circuit/LsiInspector';
+import { EntryDetails } from './library/EntryDetails';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
 
 const send = (command: Command): void => void session.edit(command);
@@ -21,12 +22,12 @@ const preview = (command: Command | null): void => {
 export function InspectorPanel(): ReactElement {
   const selection = useStudio((s) => s.selection);
   const doc = useStudio(shown_document);
-  const library = useStudio((s) => s.library);
+  useStudio((s) => s.library_revision);
   if (!doc) return <div className="panel empty">Nothing is open yet.</div>;
   let body: ReactElement | null = null;
   if (selection.kind === 'clip') {
     const clip = find_clip(doc, selection.character, selection.clip);
-    if (clip) body = <ClipFieldsView key={clip.id} character={selection.character} clip={clip} entry={library.find((e) => e.id === clip.motion)} />;
+    if (clip) body = <ClipFieldsView key={clip.id} character={selection.character} clip={clip} entry={session.entry(clip.motion)} />;
   } else if (selection.kind === 'character') {
     const character = find_character(doc, selection.character);
     if (character) body = <CharacterFields key={character.id} character={character} link={selection.link} doc={doc} />;
@@ -34,8 +35,8 @@ export function InspectorPanel(): ReactElement {
     const event = find_event(doc, selection.event);
     if (event) body = <EventFields key={event.id} event={event} doc={doc} />;
   } else if (selection.kind === 'entry') {
-    const entry = library.find((e) => e.id === selection.entry);
-    if (entry) body = <EntryFacts entry={entry} doc={doc} />;
+    const entry = session.entry(selection.entry);
+    if (entry) body = <EntryDetails entry={entry} doc={doc} />;
   } else if (selection.kind === 'circuit') {
     body = <CircuitSelection />;
   }
@@ -202,43 +203,6 @@ function EventFields({ event, doc }: { event: ScenarioEvent; doc: ScenarioDocume
         <button type="button" onClick={() => session.seek(Math.max(0, event.time - 0.2))}>Go there</button>
         <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
-      </div>
-    </>
-  );
-}
-
-function EntryFacts({ entry, doc }: { entry: LibraryEntry; doc: ScenarioDocument }): ReactElement {
-  const fits = entry.kind === 'motion' ? doc.characters.filter((c) => !entry.mechanism || c.mechanism === entry.mechanism) : [];
-  return (
-    <>
-      <h3>
-        {entry.kind === 'motion' ? 'Motion' : 'Mechanism'} <span className="of">{entry.name}</span>
-      </h3>
-      <p className="facts">{describe_entry(entry)}</p>
-      {entry.summary && entry.summary !== describe_entry(entry) && <p className="note">{entry.summary}</p>}
-      {tags_of(entry).length > 0 && (
-        <div className="tags">
-          {tags_of(entry).map((tag) => (
-            <span key={tag} className="tag">{tag}</span>
-          ))}
-        </div>
-      )}
-      {entry.frames !== undefined && entry.kind === 'motion' && (
-        <div className="field">
-          <span>Frames</span>
-          <output>{entry.frames}</output>
-        </div>
-      )}
-      <div className="actions column">
-        {entry.kind === 'mechanism' && (
-          <button type="button" onClick={() => add_character(entry.id)}>Add to the scenario</button>
-        )}
-        {fits.map((c) => (
-          <button key={c.id} type="button" onClick={() => append_motion(c.id, entry.id)}>Put on {c.name}’s track</button>
-        ))}
-        {entry.kind === 'motion' && entry.mechanism && (
-          <button type="button" onClick={() => add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with it</button>
-        )}
       </div>
     </>
   );

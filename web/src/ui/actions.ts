@@ -217,7 +217,6 @@ const commands: AppCommand[] = [
     run: () => {
       if (state().dialog !== 'none') return session.set({ dialog: 'none' });
       if (parts.pointer?.abandon()) return;
-      if (state().import_report) return session.set({ import_report: null });
       session.select({ kind: 'none' });
     },
   },

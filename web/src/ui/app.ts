@@ -4,9 +4,12 @@ import { createStore } from 'zustand/vanilla';
 import { CircuitEditor, type EditorState } from '../core/circuit/editor';
 import { CommandRegistry } from '../core/commands';
 import type { FigureState } from '../core/frames';
+import { LibraryBrowser, type BrowserState } from '../core/library/browser';
+import { ImportQueue, type ImportState } from '../core/library/imports';
 import { Session } from '../core/session';
 import { shown_circuit, type StudioState } from '../core/state';
 import type { SocketLike } from '../core/client';
+import type { ImportView } from '../view/import_view';
 import type { Viewport } from '../view/viewport';
 import type { PointerControl } from '../view/pointer';
 
@@ -39,6 +42,38 @@ circuit.store.subscribe((state, before) => {
   else if (session.state.selection.kind === 'circuit') session.select({ kind: 'none' });
 });
 
+export const library = new LibraryBrowser({
+  fetch: (path, init) => fetch(with_token(path), init),
+  know: (entries) => session.know(entries),
+  fail: (error) => session.fail(error),
+});
+session.on_library = () => void library.load();
+
+export const imports = new ImportQueue({
+  fetch: (path, init) => fetch(with_token(path), init),
+  log: (level, text) => session.log(level, text),
+  stored: (item) => {
+    const made = item.stored.find((e) => e.kind === 'motion') ?? item.stored[0];
+    if (made) session.select({ kind: 'entry', entry: made.id });
+  },
+});
+
+// motions of the scenario that no page of the library has brought yet: looked up once each
+const asked = new Set<string>();
+session.store.subscribe((state, before) => {
+  if (state.document === before.document) return;
+  for (const character of state.document?.characters ?? []) {
+    for (const id of [character.mechanism, ...character.track.map((clip) => clip.motion)]) {
+      if (session.entry(id) || asked.has(id)) continue;
+      asked.add(id);
+      void library.find(id);
+    }
+  }
+});
+
+/** An address of the service for an image. */
+export const service_path = (path: string): string => with_token(path);
+
 /** Small canvases are drawn by the processor: sent to a busy graphics processor they would make the page wait. */
 export const plain_canvas: CanvasRenderingContext2DSettings = { willReadFrequently: true };
 
@@ -64,7 +99,7 @@ export interface CircuitCanvas {
 }
 
 /** What is mounted now; null while it is not. */
-export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; toggle_large: () => void; show_panel: (id: string) => void; choose_files: () => void; circuit: CircuitCanvas | null } = {
+export const parts: { viewport: Viewport | null; pointer: PointerControl | null; fit_timeline: () => void; reset_layout: () => void; toggle_large: () => void; show_panel: (id: string) => void; choose_files: () => void; import_view: ImportView | null; circuit: CircuitCanvas | null } = {
   viewport: null,
   pointer: null,
   fit_timeline: () => undefined,
@@ -72,6 +107,7 @@ export const parts: { viewport: Viewport | null; pointer: PointerControl | null;
   toggle_large: () => undefined,
   show_panel: () => undefined,
   choose_files: () => undefined,
+  import_view: null,
   circuit: null,
 };
 
@@ -81,6 +117,14 @@ export function useStudio<T>(pick: (state: StudioState) => T): T {
 
 export function useCircuit<T>(pick: (state: EditorState) => T): T {
   return useStore(circuit.store, pick);
+}
+
+export function useLibrary<T>(pick: (state: BrowserState) => T): T {
+  return useStore(library.store, pick);
+}
+
+export function useImports<T>(pick: (state: ImportState) => T): T {
+  return useStore(imports.store, pick);
 }
 
 export function usePage<T>(pick: (state: PageState) => T): T {

@@ -2,6 +2,7 @@ import { createRoot } from 'react-dom/client';
 import 'dockview/dist/styles/dockview.css';
 import './styles.css';
 import './panels.css';
+import './library/library.css';
 import { App } from './App';
 import { register_commands } from './actions';
 import { session } from './app';

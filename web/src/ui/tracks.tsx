@@ -113,7 +113,7 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
   const selection = useStudio((s) => s.selection);
   const blends = blend_spans(character.track);
   const state = usePage((s) => s.figure_states[character.id]);
-  const library = useStudio((s) => s.library);
+  useStudio((s) => s.library_revision);
   const end_speed = useStudio((s) => s.characters.find((c) => c.id === character.id)?.end_speed);
   const duration = useStudio((s) => shown_document(s)?.duration ?? 0);
   const unfinished = ends_moving(character, end_speed, duration);
@@ -142,7 +142,7 @@ export function Track({ character, view, on_guide, ghost, on_ghost }: TrackProps
         }}
       >
         {character.track.map((clip) => {
-          const entry = library.find((e) => e.id === clip.motion);
+          const entry = session.entry(clip.motion);
           return (
             <ClipBox
               key={clip.id}

@@ -59,7 +59,7 @@ export class CameraRig {
   }
 
   zoom(factor: number): void {
-    this.goal.distance = clamp(this.goal.distance * factor, 0.25, 120);
+    this.goal.distance = clamp(this.goal.distance * factor, 0.02, 2000);
   }
 
   look_from(azimuth: number, elevation: number): void {
@@ -72,7 +72,7 @@ export class CameraRig {
     this.goal.target.copy(sphere.center);
     const half = (field_of_view * Math.PI) / 360;
     const narrow = Math.min(1, this.aspect);
-    this.goal.distance = clamp((sphere.radius * 1.18) / Math.sin(half) / narrow, 0.4, 120);
+    this.goal.distance = clamp((sphere.radius * 1.18) / Math.sin(half) / narrow, 0.04, 2000);
   }
 
   set(eye: Partial<Eye>, at_once: boolean): void {
@@ -146,7 +146,8 @@ export class CameraRig {
       camera.lookAt(target);
     }
     this.perspective.aspect = this.aspect;
-    this.perspective.near = Math.max(0.01, distance * 0.01);
+    this.perspective.near = Math.max(0.002, distance * 0.01);
+    this.perspective.far = Math.max(600, distance * 6);
     this.perspective.updateProjectionMatrix();
     const half = distance * Math.tan((field_of_view * Math.PI) / 360);
     Object.assign(this.orthographic, { left: -half * this.aspect, right: half * this.aspect, top: half, bottom: -half });

@@ -114,6 +114,12 @@ export class Figure {
     for (let i = 0; i < count; i++) set_pose(this.links[i], frame.floats, figure.poses + 7 * i);
   }
 
+  /** Poses in a row as previews have them, x y z qw qx qy qz each, from number `at` on. */
+  place_poses(values: Float32Array, at: number, links: number): void {
+    const count = Math.min(links, this.links.length);
+    for (let i = 0; i < count; i++) set_pose(this.links[i], values, at + 7 * i);
+  }
+
   dispose(): void {
     this.plain.dispose();
     for (const material of Object.values(this.emphasised)) material.dispose();

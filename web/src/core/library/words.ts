@@ -1,19 +1,25 @@
-/** Library entries, searched and told apart. */
-import { format_number, join_facts } from './format';
-import type { LibraryEntry } from './protocol';
+/** Library entries: told apart, named, put into words. */
+import { format_number, join_facts } from '../format';
+import type { LibraryEntry } from '../protocol';
 
 export function tags_of(entry: LibraryEntry): string[] {
   if (Array.isArray(entry.tags)) return entry.tags;
   return entry.tags ? entry.tags.split(/[\s,]+/).filter(Boolean) : [];
 }
 
+/** "350 mm", "1.75 m", "12 m" */
+export function format_length(metres: number): string {
+  if (metres < 0.995) return metres < 0.0095 ? `${format_number(1000 * metres, 1)} mm` : `${format_number(100 * metres, metres < 0.0995 ? 1 : 0)} cm`;
+  return `${format_number(metres, metres < 9.995 ? 2 : 0)} m`;
+}
+
 /** The second line under an entry's name. */
 export function describe_entry(entry: LibraryEntry): string {
   if (entry.kind === 'mechanism') {
     return join_facts([
-      entry.freedoms !== undefined && `${entry.freedoms} freedoms`,
-      entry.mass !== undefined && `${format_number(entry.mass, 1)} kg`,
-      entry.height !== undefined && entry.height > 0 && `${format_number(entry.height, 2)} m`,
+      entry.freedoms !== undefined && `${entry.freedoms} ${entry.freedoms === 1 ? 'freedom' : 'freedoms'}`,
+      entry.mass !== undefined && `${format_number(entry.mass, entry.mass < 10 ? 1 : 0)} kg`,
+      entry.height !== undefined && entry.height > 0 && format_length(entry.height),
     ]);
   }
   return join_facts([
@@ -23,12 +29,30 @@ export function describe_entry(entry: LibraryEntry): string {
   ]);
 }
 
-/** Entries that hold every word in name, summary or tags, in the order given. */
-export function search_library(entries: readonly LibraryEntry[], query: string): LibraryEntry[] {
-  const words = query.toLowerCase().split(/\s+/).filter(Boolean);
-  if (words.length === 0) return [...entries];
-  return entries.filter((entry) => {
-    const text = `${entry.name} ${entry.summary ?? ''} ${tags_of(entry).join(' ')} ${entry.kind}`.toLowerCase();
-    return words.every((word) => text.includes(word));
-  });
+/**
+ * An entry as the page keeps it: `id` is what scenarios and previews name (the data of its newest version), `entry` what the library's
+ * own addresses name (the same through all versions; absent: it is only in the open project).
+ */
+export function from_service(entry: LibraryEntry & { content?: string }): LibraryEntry {
+  const { content, ...rest } = entry;
+  return { ...rest, id: content ?? entry.id, entry: entry.version === undefined ? undefined : entry.id };
+}
+
+/** Tags as typed: separated by commas; blanks within one stay. */
+export const split_tags = (text: string): string[] => [...new Set(text.split(',').map((t) => t.trim().replace(/\s+/g, ' ')).filter(Boolean))];
+
+/** "today 14:05", "12 Mar 2026" */
+export function format_when(text: string | undefined, now = new Date()): string {
+  const date = text ? new Date(text) : null;
+  if (!date || Number.isNaN(date.getTime())) return '';
+  const same_day = date.toDateString() === now.toDateString();
+  if (same_day) return `today ${date.toLocaleTimeString([], { hour: '2-digit', minute: '2-digit', hour12: false })}`;
+  return date.toLocaleDateString('en-GB', { day: 'numeric', month: 'short', year: 'numeric' });
+}
+
+export function format_bytes(bytes: number | undefined): string {
+  if (bytes === undefined) return '';
+  if (bytes < 1000) return `${bytes} B`;
+  if (bytes < 999_500) return `${(bytes / 1000).toFixed(bytes < 9950 ? 1 : 0)} kB`;
+  return `${(bytes / 1e6).toFixed(bytes < 9.95e6 ? 1 : 0)} MB`;
 }

@@ -1,0 +1,279 @@
+/** Files on their way into the library: read and shown one by one, corrected, then stored or dropped. Framework-free. */
+import { createStore, type StoreApi } from 'zustand/vanilla';
+import { RequestError, type MechanismData, type Problem, type ServiceError } from '../protocol';
+
+export interface ImportSettings {
+  /** m per unit of length of the file */
+  unit: number;
+  unit_guessed: boolean;
+  up: string;
+  forward: string;
+  /** frames a second; 0: the file has no motion */
+  rate: number;
+  rate_told: boolean;
+}
+
+export interface ConversionReport {
+  read: string[];
+  guessed: string[];
+  changed: string[];
+  left_out: string[];
+  check: string[];
+}
+
+/** Poses packed: base64 of 32-bit floats [count][links][7], x y z qw qx qy qz. */
+export interface MotionPreview {
+  name: string;
+  rate: number;
+  frames: number;
+  duration: number;
+  stride: number;
+  count: number;
+  links: number;
+  poses: string;
+  mechanism?: string;
+}
+
+export interface MarkerPreview {
+  labels: string[];
+  count: number;
+  stride: number;
+  /** base64 of 32-bit floats [count][markers][3], m; NaN: not seen */
+  points: string;
+  /** Of the markers' world where the figure is, x y z qw qx qy qz. */
+  pose?: number[];
+}
+
+export interface StagedFile {
+  stage: string;
+  file: string;
+  format: string;
+  settings: ImportSettings;
+  can: { unit: boolean; axes: boolean; rate: boolean };
+  entries: { kind: 'mechanism' | 'motion'; name: string; bytes: number }[];
+  report: ConversionReport;
+  mechanism?: MechanismData;
+  motion?: MotionPreview;
+  markers?: MarkerPreview;
+}
+
+export type ImportStatus = 'waiting' | 'reading' | 'ready' | 'storing' | 'stored' | 'refused' | 'cancelled';
+
+export interface ImportItem {
+  id: number;
+  file: string;
+  size: number;
+  status: ImportStatus;
+  staged: StagedFile | null;
+  /** Of the entries; empty: as read. */
+  name: string;
+  tags: string;
+  /** Why it was refused. */
+  problems: Problem[];
+  /** Ids of the entries that were made. */
+  stored: { id: string; kind: string; name: string }[];
+  /** It is read again with other settings. */
+  again: boolean;
+}
+
+export interface ImportState {
+  open: boolean;
+  items: ImportItem[];
+  shown: number | null;
+}
+
+export interface ImportHost {
+  fetch: (path: string, init?: RequestInit) => Promise<Response>;
+  log: (level: 'info' | 'warning' | 'error', text: string) => void;
+  /** Called when entries are in the library. */
+  stored: (item: ImportItem) => void;
+}
+
+/** Files that others need: never entries of their own. */
+const is_companion = (name: string): boolean => /\.(asf|stl|obj|dae|ply|bin|png|jpe?g|ya?ml|mtl)$/i.test(name);
+
+export class ImportQueue {
+  readonly store: StoreApi<ImportState> = createStore<ImportState>(() => ({ open: false, items: [], shown: null }));
+  private readonly files = new Map<number, File>();
+  private readonly running = new Map<number, AbortController>();
+  private readonly wanted = new Map<number, Partial<ImportSettings>>();
+  private next_id = 1;
+  private working = false;
+
+  constructor(private readonly host: ImportHost) {}
+
+  get state(): ImportState {
+    return this.store.getState();
+  }
+
+  item(id: number | null): ImportItem | undefined {
+    return this.state.items.find((i) => i.id === id);
+  }
+
+  /** Takes files in: those that others need first. A file that stands alone is refused by the service with its reason. */
+  async add(files: readonly File[]): Promise<void> {
+    if (files.length === 0) return;
+    const companions = files.filter((f) => is_companion(f.name));
+    const main = files.filter((f) => !is_companion(f.name));
+    if (!this.state.open) this.store.setState({ items: [], shown: null });
+    const items = main.map((file): ImportItem => {
+      const id = this.next_id++;
+      this.files.set(id, file);
+      return { id, file: file.name, size: file.size, status: 'waiting', staged: null, name: '', tags: '', problems: [], stored: [], again: false };
+    });
+    const all = [...this.state.items, ...items];
+    this.store.setState({ open: true, items: all, shown: this.state.shown ?? all[0]?.id ?? null });
+    for (const file of companions) {
+      try {
+        await this.send(`api/import/file?name=${encodeURIComponent(file.name)}`, file);
+        if (main.length === 0) this.note_companion(file, []);
+      } catch (error) {
+        this.note_companion(file, problems_of(error as Error));
+      }
+    }
+    await this.work();
+  }
+
+  /** A skeleton or mesh that came alone, or that cannot be read. */
+  private note_companion(file: File, problems: Problem[]): void {
+    const id = this.next_id++;
+    const told = problems.length > 0 ? problems : [{ message: `${file.name} is kept for the files that need it.`, remedy: 'Choose them now: an AMC with its ASF, a robot description with its meshes.' }];
+    const item: ImportItem = { id, file: file.name, size: file.size, status: 'refused', staged: null, name: '', tags: '', problems: told, stored: [], again: false };
+    this.store.setState({ items: [...this.state.items, item], shown: this.state.shown ?? id });
+  }
+
+  private async work(): Promise<void> {
+    if (this.working) return;
+    this.working = true;
+    for (let item = this.state.items.find((i) => i.status === 'waiting'); item; item = this.state.items.find((i) => i.status === 'waiting')) {
+      const file = this.files.get(item.id);
+      if (!file) break;
+      this.change(item.id, { status: 'reading' });
+      await this.read(item.id, `api/import/stage?name=${encodeURIComponent(file.name)}`, file);
+      this.files.delete(item.id);
+    }
+    this.working = false;
+  }
+
+  private async read(id: number, address: string, body: Blob | string): Promise<void> {
+    const running = new AbortController();
+    this.running.set(id, running);
+    try {
+      const staged = await this.send<StagedFile>(address, body, running.signal);
+      if (running.signal.aborted || !this.item(id)) void this.drop_stage(staged.stage);
+      else this.change(id, { status: 'ready', staged, problems: [], again: false });
+    } catch (error) {
+      if (running.signal.aborted) return;
+      const before = this.item(id);
+      const problems = problems_of(error as Error);
+      // a correction that cannot be read leaves what was
+      this.change(id, { status: before?.staged ? 'ready' : 'refused', problems, again: false });
+      for (const p of problems) this.host.log('error', [before?.file, p.place, p.message, p.remedy].filter(Boolean).join(' — '));
+    } finally {
+      this.running.delete(id);
+    }
+  }
+
+  /** Reads the file again as the user says; the last of several quick changes counts. */
+  async correct(id: number, change: Partial<ImportSettings>): Promise<void> {
+    const item = this.item(id);
+    if (!item?.staged || item.status !== 'ready') return;
+    this.wanted.set(id, { ...this.wanted.get(id), ...change });
+    if (item.again) return;
+    this.change(id, { again: true });
+    while (this.wanted.has(id)) {
+      const now = this.item(id);
+      if (!now?.staged) break;
+      const s = { ...now.staged.settings, ...this.wanted.get(id) };
+      this.wanted.delete(id);
+      const p = new URLSearchParams({ up: s.up, forward: s.forward });
+      if (now.staged.can.unit && s.unit > 0) p.set('unit', String(s.unit));
+      if (now.staged.can.rate && s.rate > 0) p.set('rate', String(s.rate));
+      await this.read(id, `api/import/stage/${now.staged.stage}?${p.toString()}`, '');
+    }
+  }
+
+  name(id: number, part: Partial<Pick<ImportItem, 'name' | 'tags'>>): void {
+    this.change(id, part);
+  }
+
+  show(id: number): void {
+    this.store.setState({ shown: id });
+  }
+
+  async store_one(id: number): Promise<void> {
+    const item = this.item(id);
+    if (!item?.staged || item.status !== 'ready' || item.again) return;
+    this.change(id, { status: 'storing' });
+    const p = new URLSearchParams();
+    if (item.name.trim()) p.set('name', item.name.trim());
+    if (item.tags.trim()) p.set('tags', item.tags);
+    try {
+      const answer = await this.send<{ entries: ImportItem['stored'] }>(`api/import/store/${item.staged.stage}?${p.toString()}`, '');
+      this.change(id, { status: 'stored', stored: answer.entries });
+      this.host.log('info', `Imported ${item.file}: ${answer.entries.map((e) => e.name).join(', ')}`);
+      this.host.stored(this.item(id)!);
+    } catch (error) {
+      this.change(id, { status: 'ready', problems: problems_of(error as Error) });
+    }
+  }
+
+  /** Stores all that is ready; closes where nothing is left to look at. */
+  async store_all(): Promise<void> {
+    for (const item of this.state.items) if (item.status === 'ready') await this.store_one(item.id);
+    if (this.state.items.every((i) => i.status === 'stored' || i.status === 'cancelled')) this.close();
+  }
+
+  /** Leaves one file out; nothing of it stays. */
+  cancel(id: number): void {
+    this.running.get(id)?.abort();
+    this.files.delete(id);
+    const item = this.item(id);
+    if (!item || item.status === 'stored') return;
+    if (item.staged) void this.drop_stage(item.staged.stage);
+    const left = this.state.items.filter((i) => i.id !== id);
+    this.store.setState({ items: left, shown: this.state.shown === id ? (left.find((i) => i.status !== 'stored')?.id ?? left[0]?.id ?? null) : this.state.shown });
+    if (left.length === 0) this.store.setState({ open: false });
+  }
+
+  /** Ends everything that is not stored. */
+  close(): void {
+    for (const item of this.state.items) {
+      this.running.get(item.id)?.abort();
+      if (item.staged && item.status !== 'stored') void this.drop_stage(item.staged.stage);
+    }
+    this.files.clear();
+    this.store.setState({ open: false, items: [], shown: null });
+  }
+
+  private async drop_stage(stage: string): Promise<void> {
+    await this.send(`api/import/drop/${stage}`, '').catch(() => undefined); // it ends with the studio at the latest
+  }
+
+  private change(id: number, part: Partial<ImportItem>): void {
+    this.store.setState({ items: this.state.items.map((i) => (i.id === id ? { ...i, ...part } : i)) });
+  }
+
+  private async send<T>(path: string, body: Blob | string, signal?: AbortSignal): Promise<T> {
+    let response: Response;
+    try {
+      response = await this.host.fetch(path, { method: 'POST', body, signal: signal ?? null });
+    } catch (error) {
+      if (signal?.aborted) throw error;
+      throw new RequestError({ problems: [{ message: 'The studio does not answer.', remedy: 'See whether `ugoki studio` still runs.' }] }, '');
+    }
+    const answer = (await response.json().catch(() => ({}))) as T & { error?: ServiceError };
+    if (!response.ok) throw new RequestError(answer.error, `The studio answered ${response.status}.`);
+    return answer;
+  }
+}
+
+const problems_of = (error: Error): Problem[] => (error instanceof RequestError ? error.problems : [{ message: error.message }]);
+
+/** 32-bit floats of a base64 text. */
+export function unpack_floats(text: string): Float32Array {
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < letters.length; i++) bytes[i] = letters.charCodeAt(i);
+  return new Float32Array(bytes.buffer);
+}

@@ -1,0 +1,190 @@
+/** What the inspector shows of a library entry: facts, tags, note, versions, and what can be done with it. */
+import { useEffect, useState, type KeyboardEvent, type ReactElement } from 'react';
+import type { EntryVersion } from '../../core/library/browser';
+import { describe_entry, format_bytes, format_length, format_when, split_tags, tags_of } from '../../core/library/words';
+import { format_number } from '../../core/format';
+import type { ScenarioDocument } from '../../core/document';
+import type { LibraryEntry } from '../../core/protocol';
+import { add_character, append_motion } from '../actions';
+import { library, session, useLibrary } from '../app';
+import { Icon } from '../icons';
+
+export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: ScenarioDocument }): ReactElement {
+  const fits = entry.kind === 'motion' ? doc.characters.filter((c) => !entry.mechanism || c.mechanism === entry.mechanism) : [];
+  const own = entry.entry !== undefined;
+  const in_trash = Boolean(entry.removed);
+  const body = entry.mechanism ? session.entry(entry.mechanism) : undefined;
+  const rows: [string, string][] = [];
+  const row = (label: string, value: string | false | undefined): void => void (value && rows.push([label, value]));
+  row('Duration', entry.duration !== undefined && `${entry.duration.toFixed(2)} s`);
+  row('Frames', entry.frames !== undefined && entry.kind === 'motion' && `${entry.frames}${entry.rate ? ` at ${format_number(entry.rate, 2)} Hz` : ''}`);
+  row('Moves', entry.kind === 'motion' && body?.name);
+  row('Freedoms', entry.freedoms !== undefined && String(entry.freedoms));
+  row('Height', entry.height !== undefined && entry.height > 0 && format_length(entry.height));
+  row('Mass', entry.mass !== undefined && `${format_number(entry.mass, entry.mass < 10 ? 2 : 1)} kg`);
+  row('Source', entry.source);
+  row('Size', format_bytes(entry.size));
+  row('Saved by', [entry.by, format_when(entry.changed ?? entry.created)].filter(Boolean).join(', '));
+  return (
+    <>
+      <h3>
+        {entry.kind === 'motion' ? 'Motion' : 'Mechanism'} <span className="of">{entry.name}</span>
+      </h3>
+      <p className="facts">{describe_entry(entry)}</p>
+      <div className="actions column first">
+        {in_trash && <button type="button" onClick={() => void library.undelete(entry)}>Put back into the library</button>}
+        {entry.kind === 'mechanism' && !in_trash && <button type="button" onClick={() => add_character(entry.id)}>Add to the scenario</button>}
+        {!in_trash && fits.map((c) => (
+          <button key={c.id} type="button" onClick={() => append_motion(c.id, entry.id)}>Put on {c.name}’s track</button>
+        ))}
+        {entry.kind === 'motion' && entry.mechanism && !in_trash && (
+          <button type="button" onClick={() => add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with it</button>
+        )}
+      </div>
+      {own && !in_trash && <Name key={`${entry.id} ${entry.name}`} entry={entry} />}
+      <TagEditor entry={entry} />
+      {own && !in_trash && <Note key={`${entry.id} ${entry.note ?? ''}`} entry={entry} />}
+      <h4>Facts</h4>
+      {rows.map(([label, value]) => (
+        <div key={label} className="field">
+          <span>{label}</span>
+          <output title={value}>{value}</output>
+        </div>
+      ))}
+      {!own && <p className="hint">In the open project only; the library does not have it.</p>}
+      {own && <Versions entry={entry} />}
+      {own && !in_trash && (
+        <div className="actions">
+          <button type="button" onClick={() => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: made.id }))}>Duplicate</button>
+          <button type="button" onClick={() => void library.remove(entry)}>Delete</button>
+        </div>
+      )}
+    </>
+  );
+}
+
+function Name({ entry }: { entry: LibraryEntry }): ReactElement {
+  const [text, set_text] = useState(entry.name);
+  return (
+    <div className="field">
+      <label htmlFor="entry-name">Name</label>
+      <input
+        id="entry-name"
+        className="text"
+        value={text}
+        maxLength={200}
+        onChange={(e) => set_text(e.target.value)}
+        onKeyDown={(e) => {
+          if (e.key === 'Enter') e.currentTarget.blur();
+          if (e.key === 'Escape') {
+            set_text(entry.name);
+            e.stopPropagation();
+          }
+        }}
+        onBlur={() => void library.rename(entry, text)}
+      />
+    </div>
+  );
+}
+
+function Note({ entry }: { entry: LibraryEntry }): ReactElement {
+  const [text, set_text] = useState(entry.note ?? '');
+  return (
+    <textarea
+      className="entry-note"
+      aria-label="Note"
+      placeholder="A note"
+      rows={text.includes('\n') || text.length > 40 ? 4 : 2}
+      value={text}
+      onChange={(e) => set_text(e.target.value)}
+      onKeyDown={(e) => {
+        if (e.key !== 'Escape') return;
+        set_text(entry.note ?? '');
+        e.stopPropagation();
+      }}
+      onBlur={() => void library.set_note(entry, text)}
+    />
+  );
+}
+
+/** Tags as chips; typing adds (Enter or comma), Backspace in the empty field takes the last one away. */
+function TagEditor({ entry }: { entry: LibraryEntry }): ReactElement | null {
+  const tags = tags_of(entry);
+  const known = useLibrary((s) => s.all_tags);
+  const [text, set_text] = useState('');
+  const own = entry.entry !== undefined && !entry.removed;
+  if (!own && tags.length === 0) return null;
+  const take = (): void => {
+    const added = split_tags(text);
+    set_text('');
+    if (added.length > 0) void library.change_tags(entry, added, []);
+  };
+  const keys = (event: KeyboardEvent): void => {
+    if (event.key === 'Enter' || event.key === ',') {
+      take();
+      event.preventDefault();
+    } else if (event.key === 'Escape') {
+      set_text('');
+      event.stopPropagation();
+    } else if (event.key === 'Backspace' && text === '' && tags.length > 0) {
+      void library.change_tags(entry, [], [tags[tags.length - 1]!]);
+      event.preventDefault();
+    }
+  };
+  return (
+    <div className="tags" role="group" aria-label="Tags of this entry">
+      {tags.map((tag) => (
+        <span key={tag} className="tag">
+          {tag}
+          {own && (
+            <button type="button" className="tag-remove" aria-label={`Remove the tag ${tag}`} onClick={() => void library.change_tags(entry, [], [tag])}>
+              <Icon name="close" />
+            </button>
+          )}
+        </span>
+      ))}
+      {own && (
+        <>
+          <input className="tag-add" aria-label="Add a tag" placeholder="Add a tag" list="known-tags" value={text} onChange={(e) => set_text(e.target.value)} onKeyDown={keys} onBlur={take} />
+          <datalist id="known-tags">
+            {known.filter((t) => !tags.includes(t.name)).slice(0, 50).map((t) => (
+              <option key={t.name} value={t.name} />
+            ))}
+          </datalist>
+        </>
+      )}
+    </div>
+  );
+}
+
+function Versions({ entry }: { entry: LibraryEntry }): ReactElement | null {
+  const [versions, set_versions] = useState<EntryVersion[]>([]);
+  useEffect(() => {
+    let ended = false;
+    library.versions(entry).then(
+      (all) => !ended && set_versions(all),
+      () => undefined, // the facts above stand without it
+    );
+    return () => {
+      ended = true;
+    };
+  }, [entry.entry, entry.version]);
+  if (versions.length === 0) return null;
+  return (
+    <>
+      <h4>Versions</h4>
+      <ol className="versions" aria-label="Versions, newest first">
+        {versions.map((v, i) => (
+          <li key={v.version}>
+            <span className="version-number">{v.version}</span>
+            <span className="version-words">
+              <span>{v.name}</span>
+              <span className="entry-facts">{[v.by, format_when(v.when), v.note].filter(Boolean).join(' · ')}</span>
+            </span>
+            {i === 0 ? <span className="hint">now</span> : <button type="button" className="quiet" onClick={() => void library.restore(entry, v.version)}>Restore</button>}
+          </li>
+        ))}
+      </ol>
+    </>
+  );
+}

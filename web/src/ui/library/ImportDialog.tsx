@@ -1,0 +1,403 @@
+/** Files before they are stored: each moves beside a human of 1.8 m; its unit, axes and rate can be set right; a report says what became of it. */
+import { useEffect, useRef, useState, type ReactElement } from 'react';
+import { format_number } from '../../core/format';
+import { unpack_floats, type ImportItem, type ImportSettings, type StagedFile } from '../../core/library/imports';
+import { format_bytes, format_length } from '../../core/library/words';
+import type { MechanismData } from '../../core/protocol';
+import { ImportView, type Markers } from '../../view/import_view';
+import { imports, parts, service_path, useImports, useStudio } from '../app';
+import { Icon } from '../icons';
+import { NumberField } from '../NumberField';
+import { poses_of } from './pictures';
+
+export function ImportDialog(): ReactElement | null {
+  const open = useImports((s) => s.open);
+  return open ? <Dialog /> : null;
+}
+
+function Dialog(): ReactElement {
+  const items = useImports((s) => s.items);
+  const shown = useImports((s) => s.shown);
+  const item = items.find((i) => i.id === shown) ?? items[0];
+  const dialog = useRef<HTMLDivElement>(null);
+  const before = useRef<Element | null>(document.activeElement);
+  useEffect(() => {
+    dialog.current?.focus();
+    return () => (before.current as HTMLElement | null)?.focus?.();
+  }, []);
+  const busy = items.filter((i) => i.status === 'waiting' || i.status === 'reading' || i.status === 'storing').length;
+  const ready = items.filter((i) => i.status === 'ready').length;
+  const finished = items.length - busy;
+  return (
+    <div
+      className="backdrop import-backdrop"
+      onKeyDown={(e) => {
+        if (e.key === 'Escape') {
+          e.preventDefault();
+          imports.close();
+        }
+        // the page's keys are not for this dialog; only Tab and what fields do with theirs
+        e.stopPropagation();
+        if (e.key === 'Tab') keep_inside(e.nativeEvent, dialog.current);
+      }}
+    >
+      <div ref={dialog} className="dialog import" role="dialog" aria-modal="true" aria-label="Import" tabIndex={-1}>
+        <header>
+          <h2>Import</h2>
+          {items.length > 1 && (
+            <div className="import-progress" role="progressbar" aria-label="Files read" aria-valuemin={0} aria-valuemax={items.length} aria-valuenow={finished}>
+              <div className="bar"><div style={{ transform: `scaleX(${items.length > 0 ? finished / items.length : 0})` }} /></div>
+              <span>{finished} of {items.length} read</span>
+            </div>
+          )}
+          <button type="button" className="tool" aria-label="Close without storing" title="Close without storing  (Esc)" onClick={() => imports.close()}>
+            <Icon name="close" />
+          </button>
+        </header>
+        <div className={items.length > 1 ? 'import-body with-list' : 'import-body'}>
+          {items.length > 1 && <FileList items={items} shown={item?.id ?? null} />}
+          {item && <FileView key={item.id} item={item} />}
+        </div>
+        <footer>
+          <button type="button" onClick={() => imports.close()}>{items.some((i) => i.status === 'stored') ? 'Close' : 'Cancel'}</button>
+          {items.length > 1 && (
+            <button type="button" disabled={ready === 0 || busy > 0} onClick={() => void imports.store_all()}>
+              {`Store all ${ready}`}
+            </button>
+          )}
+          <button
+            type="button"
+            className="primary"
+            disabled={item?.status !== 'ready' || item.again}
+            onClick={() => {
+              if (!item) return;
+              void imports.store_one(item.id).then(() => {
+                const left = imports.state.items.filter((i) => i.status !== 'stored');
+                if (left.length === 0) imports.close();
+                else if (left[0]) imports.show((left.find((i) => i.status === 'ready') ?? left[0]).id);
+              });
+            }}
+          >
+            {item?.status === 'storing' ? 'Storing…' : 'Store in the library'}
+          </button>
+        </footer>
+      </div>
+    </div>
+  );
+}
+
+/** Tab goes around within the dialog. */
+function keep_inside(event: globalThis.KeyboardEvent, dialog: HTMLElement | null): void {
+  const stops = [...(dialog?.querySelectorAll<HTMLElement>('button:not(:disabled), input, select, [tabindex="0"]') ?? [])].filter((e) => e.offsetParent !== null);
+  const first = stops[0];
+  const last = stops[stops.length - 1];
+  if (!first || !last) return;
+  if (event.shiftKey && (document.activeElement === first || document.activeElement === dialog)) {
+    last.focus();
+    event.preventDefault();
+  } else if (!event.shiftKey && document.activeElement === last) {
+    first.focus();
+    event.preventDefault();
+  }
+}
+
+const status_words: Record<ImportItem['status'], string> = {
+  waiting: 'waiting', reading: 'reading…', ready: 'ready', storing: 'storing…', stored: 'stored', refused: 'refused', cancelled: 'left out',
+};
+
+function FileList({ items, shown }: { items: ImportItem[]; shown: number | null }): ReactElement {
+  return (
+    <ul className="import-files" aria-label="Files">
+      {items.map((item) => {
+        const warns = item.status === 'ready' && (item.staged?.report.check.length ?? 0) > 0;
+        return (
+          <li key={item.id} className={item.id === shown ? 'chosen' : ''} data-status={item.status}>
+            <button type="button" className="import-file" aria-pressed={item.id === shown} onClick={() => imports.show(item.id)}>
+              <span className="file-name">{item.file}</span>
+              <span className="file-status" data-grade={item.status === 'refused' ? 'bad' : warns ? 'fair' : item.status === 'stored' ? 'good' : undefined}>
+                {warns ? 'check it' : status_words[item.status]}
+              </span>
+            </button>
+            {item.status !== 'stored' && (
+              <button type="button" className="tool small" aria-label={`Leave ${item.file} out`} title="Leave it out" onClick={() => imports.cancel(item.id)}>
+                <Icon name="close" />
+              </button>
+            )}
+          </li>
+        );
+      })}
+    </ul>
+  );
+}
+
+function FileView({ item }: { item: ImportItem }): ReactElement {
+  const { staged } = item;
+  if (item.status === 'refused') {
+    return (
+      <div className="import-refused" role="alert">
+        <strong>{item.file} was not imported</strong>
+        {item.problems.map((p, i) => (
+          <div key={i} className="problem">
+            {p.place && <code>{p.place}</code>}
+            <p>{p.message}</p>
+            {p.remedy && <p className="remedy">{p.remedy}</p>}
+          </div>
+        ))}
+        <p className="hint">Nothing of it was stored.</p>
+      </div>
+    );
+  }
+  if (!staged) {
+    return (
+      <div className="import-waiting" role="status">
+        <strong>{item.file}</strong>
+        <p>{item.status === 'reading' ? `Reading ${format_bytes(item.size)}…` : 'Waits for the files before it.'}</p>
+        <button type="button" onClick={() => imports.cancel(item.id)}>Cancel</button>
+      </div>
+    );
+  }
+  return (
+    <>
+      <Preview staged={staged} busy={item.again} />
+      <div className="import-side">
+        <div className="import-title">
+          <h3>{item.file}</h3>
+          <span className="facts">{staged.format} · {format_bytes(item.size)}</span>
+        </div>
+        {item.status === 'stored' && <p className="stored-note" role="status">Stored as {item.stored.map((e) => `${e.kind} “${e.name}”`).join(' and ')}.</p>}
+        {staged.report.check.length > 0 && item.status !== 'stored' && (
+          <div className="import-check" role="note">
+            {staged.report.check.map((line) => (
+              <p key={line}>{line}</p>
+            ))}
+          </div>
+        )}
+        {item.problems.length > 0 && (
+          <div className="import-check bad" role="alert">
+            {item.problems.map((p, i) => (
+              <p key={i}>{[p.message, p.remedy].filter(Boolean).join(' ')}</p>
+            ))}
+          </div>
+        )}
+        {item.status !== 'stored' && <Corrections item={item} staged={staged} />}
+        <Report staged={staged} />
+      </div>
+    </>
+  );
+}
+
+const units: [number, string][] = [[1, 'metres'], [0.1, 'decimetres'], [0.01, 'centimetres'], [0.001, 'millimetres'], [0.0254, 'inches'], [0.3048, 'feet']];
+const axes: [string, string][] = [['x', 'X'], ['-x', '−X'], ['y', 'Y'], ['-y', '−Y'], ['z', 'Z'], ['-z', '−Z']];
+
+function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile }): ReactElement {
+  const { settings, can } = staged;
+  const [read] = useState<ImportSettings>(settings); // as the reader took it, to go back to
+  const correct = (part: Partial<ImportSettings>): void => void imports.correct(item.id, part);
+  const named = units.find(([metres]) => Math.abs(metres - settings.unit) < 1e-6 * metres);
+  const choose_axis = (part: 'up' | 'forward', value: string): void => {
+    const other = part === 'up' ? settings.forward : settings.up;
+    if (value.replace('-', '') !== other.replace('-', '')) return correct({ [part]: value });
+    // the two cannot be along one axis: the other one goes where this one was
+    correct(part === 'up' ? { up: value, forward: settings.up } : { forward: value, up: settings.forward });
+  };
+  const changed = settings.unit !== read.unit || settings.up !== read.up || settings.forward !== read.forward || settings.rate !== read.rate;
+  return (
+    <section className="import-settings" aria-label="How the file is taken">
+      <div className="field">
+        <label htmlFor={`name-${item.id}`}>Name</label>
+        <input id={`name-${item.id}`} className="text" value={item.name} placeholder={staged.entries[0]?.name ?? ''} maxLength={200} onChange={(e) => imports.name(item.id, { name: e.target.value })} />
+      </div>
+      <div className="field">
+        <label htmlFor={`tags-${item.id}`}>Tags</label>
+        <input id={`tags-${item.id}`} className="text" value={item.tags} placeholder="walk, slow" onChange={(e) => imports.name(item.id, { tags: e.target.value })} />
+      </div>
+      {can.unit && (
+        <div className="field">
+          <label htmlFor={`unit-${item.id}`}>Unit of length{settings.unit_guessed && <span className="guessed" title="The file does not tell its unit"> guessed</span>}</label>
+          <select id={`unit-${item.id}`} value={named ? String(named[0]) : 'other'} onChange={(e) => e.target.value !== 'other' && correct({ unit: Number(e.target.value) })}>
+            {units.map(([metres, name]) => (
+              <option key={name} value={String(metres)}>{name}</option>
+            ))}
+            {!named && <option value="other">{`${format_number(1000 * settings.unit, 4)} mm`}</option>}
+          </select>
+        </div>
+      )}
+      {can.unit && <NumberField label="Scale" unit="m a unit" value={settings.unit} digits={6} step={0.001} min={1e-6} max={1000} title="Metres per unit of length of the file" on_commit={(unit) => correct({ unit })} />}
+      {can.axes && (
+        <>
+          <div className="field">
+            <label htmlFor={`up-${item.id}`}>Up axis</label>
+            <select id={`up-${item.id}`} value={settings.up} onChange={(e) => choose_axis('up', e.target.value)}>
+              {axes.map(([value, name]) => (
+                <option key={value} value={value}>{name}</option>
+              ))}
+            </select>
+          </div>
+          <div className="field">
+            <label htmlFor={`forward-${item.id}`}>Forward axis</label>
+            <select id={`forward-${item.id}`} value={settings.forward} onChange={(e) => choose_axis('forward', e.target.value)}>
+              {axes.map(([value, name]) => (
+                <option key={value} value={value}>{name}</option>
+              ))}
+            </select>
+          </div>
+        </>
+      )}
+      {can.rate && <NumberField label={settings.rate_told ? 'Frame rate' : 'Frame rate (not told)'} unit="1/s" value={settings.rate} digits={3} step={1} min={1} max={10000} on_commit={(rate) => correct({ rate })} />}
+      {changed && (
+        <button type="button" className="quiet" onClick={() => correct(read)}>
+          As the file was read
+        </button>
+      )}
+      {!can.unit && <p className="hint">A mechanism is in metres by its format.</p>}
+    </section>
+  );
+}
+
+const parts_of_report: [keyof StagedFile['report'], string][] = [
+  ['read', 'What was read'],
+  ['guessed', 'What was guessed'],
+  ['changed', 'What was changed'],
+  ['left_out', 'What was left out'],
+];
+
+function Report({ staged }: { staged: StagedFile }): ReactElement {
+  return (
+    <section className="import-report" aria-label="Report">
+      {parts_of_report.map(([part, title]) =>
+        staged.report[part].length === 0 ? null : (
+          <div key={part}>
+            <h4>{title}</h4>
+            <ul>
+              {staged.report[part].map((line) => (
+                <li key={line}>{line}</li>
+              ))}
+            </ul>
+          </div>
+        ),
+      )}
+      <p className="hint">
+        Stored will be {staged.entries.map((e) => `the ${e.kind} “${e.name}”`).join(' and ')}.
+      </p>
+    </section>
+  );
+}
+
+let reference: Promise<MechanismData> | null = null;
+const reference_figure = (): Promise<MechanismData> => {
+  reference ??= fetch(service_path('api/reference-figure?height=1.8')).then((r) => r.json() as Promise<MechanismData>);
+  reference.catch(() => (reference = null));
+  return reference;
+};
+
+function markers_of(staged: StagedFile): Markers | undefined {
+  const m = staged.markers;
+  return m && { count: m.count, markers: m.labels.length, values: unpack_floats(m.points), ...(m.pose ? { pose: m.pose } : {}) };
+}
+
+/** The figure on the metre grid, moving. */
+function Preview({ staged, busy }: { staged: StagedFile; busy: boolean }): ReactElement {
+  const host = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const clock = useRef<HTMLSpanElement>(null);
+  const slider = useRef<HTMLInputElement>(null);
+  const view = useRef<ImportView | null>(null);
+  const [failed, set_failed] = useState('');
+  const [playing, set_playing] = useState(true);
+  const [made, set_made] = useState(0);
+  const [height, set_height] = useState(0);
+  const theme = useStudio((s) => s.theme);
+  const seen_stage = useRef('');
+  const duration = staged.motion?.duration ?? 0;
+
+  useEffect(() => {
+    let ended = false;
+    let observer: ResizeObserver | null = null;
+    reference_figure().then(
+      (measure) => {
+        if (ended || !canvas.current || !host.current) return;
+        try {
+          view.current = new ImportView(canvas.current, measure, theme);
+        } catch (error) {
+          return set_failed((error as Error).message);
+        }
+        const resize = (): void => view.current?.resize(host.current?.clientWidth ?? 1, host.current?.clientHeight ?? 1);
+        observer = new ResizeObserver(resize);
+        observer.observe(host.current);
+        resize();
+        view.current.on_time = (time) => {
+          if (clock.current) clock.current.textContent = `${time.toFixed(2)} s`;
+          if (slider.current) slider.current.value = String(time);
+        };
+        parts.import_view = view.current;
+        set_made((n) => n + 1);
+      },
+      (error: Error) => set_failed(error.message),
+    );
+    return () => {
+      ended = true;
+      observer?.disconnect();
+      view.current?.dispose();
+      view.current = null;
+      parts.import_view = null;
+    };
+  }, [theme]);
+
+  useEffect(() => {
+    if (!view.current || !staged.mechanism) return;
+    const markers = markers_of(staged);
+    view.current.show({ mechanism: staged.mechanism, ...(staged.motion ? { motion: poses_of(staged.motion) } : {}), ...(markers ? { markers } : {}) }, true);
+    seen_stage.current = staged.stage;
+    set_height(view.current.heights.figure);
+  }, [staged, made]);
+
+  return (
+    <div className="import-preview">
+      <div ref={host} className="import-stage" aria-busy={busy}>
+        <canvas ref={canvas} role="img" aria-label={`${staged.file} beside a human of 1.8 m on a metre grid; as taken it is ${format_length(height)} high`} />
+        {failed && <div className="viewport-failed" role="alert"><strong>The picture cannot be drawn.</strong><span>{failed}</span></div>}
+        <div className="import-legend" aria-hidden="true">
+          <span><i className="swatch measure-swatch" />human of 1.8 m</span>
+          <span><i className="swatch own-swatch" />{height > 0 ? `${format_length(height)} high` : staged.file}</span>
+          {staged.markers && <span><i className="swatch marker-swatch" />{staged.markers.labels.length} markers</span>}
+          <span>grid: 1 m</span>
+        </div>
+        {busy && <p className="import-busy" role="status">Reading it again…</p>}
+      </div>
+      {duration > 0 && (
+        <div className="import-transport">
+          <button
+            type="button"
+            className="tool"
+            aria-label={playing ? 'Pause the preview' : 'Play the preview'}
+            onClick={() => {
+              if (view.current) view.current.playing = !playing;
+              set_playing(!playing);
+            }}
+          >
+            <Icon name={playing ? 'pause' : 'play'} />
+          </button>
+          <input
+            ref={slider}
+            type="range"
+            aria-label="Time of the preview"
+            min={0}
+            max={duration}
+            step={0.01}
+            defaultValue={0}
+            onInput={(e) => {
+              if (!view.current) return;
+              view.current.playing = false;
+              view.current.time = Number(e.currentTarget.value);
+              set_playing(false);
+              if (clock.current) clock.current.textContent = `${view.current.time.toFixed(2)} s`;
+            }}
+          />
+          <span ref={clock} className="clock-text">0.00 s</span>
+          <span className="hint">of {duration.toFixed(2)} s</span>
+          <button type="button" className="quiet" onClick={() => view.current?.frame()}>Frame</button>
+        </div>
+      )}
+    </div>
+  );
+}

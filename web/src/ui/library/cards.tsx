@@ -1,0 +1,182 @@
+/** One entry in the library's list: its picture, which moves while the pointer rests on it, its name and facts. */
+import { useEffect, useRef, useState, type ReactElement } from 'react';
+import { describe_entry, tags_of } from '../../core/library/words';
+import type { LibraryEntry } from '../../core/protocol';
+import { picture_size } from '../../view/preview';
+import { add_character, append_motion } from '../actions';
+import { library, page, plain_canvas, session, usePage, useStudio } from '../app';
+import { Icon } from '../icons';
+import { figure_color, moving, picture, preview_renderer, want_picture } from './pictures';
+
+/** Puts an entry where a double click would: a mechanism on the floor, a motion at the end of a track that it fits. */
+export function use_entry(entry: LibraryEntry): void {
+  if (entry.kind === 'mechanism') return add_character(entry.id);
+  const { selection, document } = session.state;
+  const chosen = selection.kind === 'character' || selection.kind === 'clip' ? selection.character : undefined;
+  const fits = document?.characters.filter((c) => !entry.mechanism || c.mechanism === entry.mechanism) ?? [];
+  const target = fits.find((c) => c.id === chosen) ?? fits[0];
+  if (target) append_motion(target.id, entry.id);
+  else if (entry.mechanism) add_character(entry.mechanism, undefined, entry.id);
+}
+
+interface CardProps {
+  entry: LibraryEntry;
+  index: number;
+  total: number;
+  grid: boolean;
+  selected: boolean;
+  renaming: boolean;
+  on_select: () => void;
+  on_renamed: (name: string | null) => void;
+}
+
+export function Card({ entry, index, total, grid, selected, renaming, on_select, on_renamed }: CardProps): ReactElement {
+  const in_use = useStudio((s) => s.document?.characters.some((c) => (entry.kind === 'mechanism' ? c.mechanism === entry.id : c.track.some((k) => k.motion === entry.id))) ?? false);
+  const dragging = usePage((s) => s.dragged_entry === entry.id);
+  const [over, set_over] = useState(false);
+  const tags = tags_of(entry);
+  return (
+    <div
+      id={`entry-${entry.id}`}
+      role="option"
+      aria-selected={selected}
+      aria-setsize={total}
+      aria-posinset={index + 1}
+      aria-label={`${entry.name}, ${entry.kind}, ${describe_entry(entry)}${tags.length > 0 ? `, tags ${tags.join(', ')}` : ''}${in_use ? ', in this scenario' : ''}`}
+      className={`entry${grid ? ' tile' : ''}${selected ? ' selected' : ''}${dragging ? ' dragging' : ''}`}
+      draggable={!renaming}
+      data-entry={entry.id}
+      title={renaming ? undefined : `${entry.name}\nDrag it onto ${entry.kind === 'motion' ? 'a track or a figure' : 'the floor or the scenario'}, or double-click to add it`}
+      onPointerEnter={() => set_over(true)}
+      onPointerLeave={() => set_over(false)}
+      onPointerDown={on_select}
+      onDoubleClick={() => !renaming && use_entry(entry)}
+      onDragStart={(e) => {
+        e.dataTransfer.setData('application/x-ugoki-entry', entry.id);
+        e.dataTransfer.effectAllowed = 'copy';
+        page.setState({ dragged_entry: entry.id });
+        set_over(false);
+      }}
+      onDragEnd={() => page.setState({ dragged_entry: null })}
+    >
+      <span className="thumb">
+        <Still entry={entry} />
+        {entry.kind === 'motion' && (over || (selected && grid)) && <Moves entry={entry} on={over} />}
+      </span>
+      <span className="entry-text">
+        {renaming ? <NameField entry={entry} on_done={on_renamed} /> : <span className="entry-name">{entry.name}</span>}
+        <span className="entry-facts">
+          <Icon name={entry.kind === 'motion' ? 'wave' : 'figure'} />
+          {describe_entry(entry)}
+        </span>
+        {!grid && tags.length > 0 && <span className="entry-tags">{tags.join(' · ')}</span>}
+      </span>
+      {in_use && <span className="in-use" title="In this scenario" aria-hidden="true" />}
+    </div>
+  );
+}
+
+function NameField({ entry, on_done }: { entry: LibraryEntry; on_done: (name: string | null) => void }): ReactElement {
+  const [text, set_text] = useState(entry.name);
+  const over = useRef(false);
+  const finish = (name: string | null): void => {
+    if (over.current) return;
+    over.current = true;
+    on_done(name);
+  };
+  return (
+    <input
+      className="entry-rename"
+      aria-label={`New name of ${entry.name}`}
+      autoFocus
+      value={text}
+      maxLength={200}
+      onFocus={(e) => e.target.select()}
+      onChange={(e) => set_text(e.target.value)}
+      onPointerDown={(e) => e.stopPropagation()}
+      onKeyDown={(e) => {
+        e.stopPropagation();
+        if (e.key === 'Enter') finish(text);
+        if (e.key === 'Escape') finish(null);
+      }}
+      onBlur={() => finish(text)}
+    />
+  );
+}
+
+/** The library's own picture; drawn here where it has none, a moment after it came into sight. */
+function Still({ entry }: { entry: LibraryEntry }): ReactElement {
+  const [drawn, set_drawn] = useState<string | null>(null);
+  const [broken, set_broken] = useState(false);
+  const known = broken ? null : picture(entry);
+  useEffect(() => {
+    if (known) return;
+    let cancel = (): void => undefined;
+    const timer = setTimeout(() => (cancel = want_picture(entry, set_drawn)), 140);
+    return () => {
+      clearTimeout(timer);
+      cancel();
+    };
+  }, [entry.id, known]);
+  const address = known ?? drawn;
+  return address ? <img src={address} alt="" draggable={false} onError={() => set_broken(true)} /> : <Icon name={entry.kind === 'motion' ? 'wave' : 'figure'} />;
+}
+
+/** The motion, drawn from its figure, over and over; a thin line shows how far. */
+function Moves({ entry, on }: { entry: LibraryEntry; on: boolean }): ReactElement {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const bar = useRef<HTMLSpanElement>(null);
+  const [shown, set_shown] = useState(false);
+  useEffect(() => {
+    if (!on) {
+      set_shown(false);
+      return;
+    }
+    let handle = 0;
+    let ended = false;
+    const timer = setTimeout(() => {
+      moving(entry.id)
+        .then(({ mechanism, poses }) => {
+          const context = canvas.current?.getContext('2d', plain_canvas);
+          const renderer = preview_renderer();
+          if (ended || !context || !renderer) return;
+          const start = performance.now();
+          let last = -1000;
+          const tick = (now: number): void => {
+            handle = requestAnimationFrame(tick);
+            if (now - last < 30) return;
+            last = now;
+            const time = poses.duration > 0 ? ((now - start) / 1000) % poses.duration : 0;
+            const share = poses.duration > 0 ? time / poses.duration : 0;
+            if (renderer.draw(mechanism, figure_color, context, poses, share)) set_shown(true);
+            if (bar.current) bar.current.style.transform = `scaleX(${share.toFixed(3)})`;
+            if (canvas.current) canvas.current.dataset.time = time.toFixed(2);
+          };
+          handle = requestAnimationFrame(tick);
+        })
+        .catch(() => undefined); // the still picture stays
+    }, 160);
+    return () => {
+      ended = true;
+      clearTimeout(timer);
+      cancelAnimationFrame(handle);
+    };
+  }, [entry.id, on]);
+  return (
+    <>
+      <canvas ref={canvas} className="moves" width={picture_size.width} height={picture_size.height} aria-hidden="true" style={{ visibility: shown ? 'visible' : 'hidden' }} />
+      <span ref={bar} className="moves-bar" aria-hidden="true" style={{ visibility: shown ? 'visible' : 'hidden' }} />
+    </>
+  );
+}
+
+/** What can be done with an entry by name; for menus and the inspector. */
+export function entry_actions(entry: LibraryEntry, start_rename: () => void): { label: string; key?: string; run: () => void; possible: boolean }[] {
+  const own = entry.entry !== undefined;
+  return [
+    { label: entry.kind === 'mechanism' ? 'Add to the scenario' : 'Put on a track', key: 'Enter', run: () => use_entry(entry), possible: true },
+    { label: 'Rename', key: 'F2', run: start_rename, possible: own },
+    { label: 'Duplicate', key: 'Ctrl D', run: () => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: made.id })), possible: own },
+    { label: 'Delete', key: 'Del', run: () => void library.remove(entry), possible: own },
+  ];
+}

@@ -1,0 +1,215 @@
+/** What is imported, moving on a floor with a metre grid beside a human of 1.8 m: mistakes of unit and axes are seen at once. */
+import * as THREE from 'three';
+import type { MechanismData } from '../core/protocol';
+import { CameraRig } from './camera';
+import { Figure, mechanism_geometries } from './figure';
+import type { Poses } from './preview';
+import { Stage } from './stage';
+
+export interface Markers {
+  count: number;
+  markers: number;
+  /** [count][markers][3], m; NaN: not seen */
+  values: Float32Array;
+  /** Of their world where the figure is, x y z qw qx qy qz. */
+  pose?: number[];
+}
+
+export interface Shown {
+  mechanism: MechanismData;
+  motion?: Poses;
+  markers?: Markers;
+}
+
+const marker_most = 400;
+
+export class ImportView {
+  readonly rig = new CameraRig();
+  private readonly stage: Stage;
+  private figure: Figure | null = null;
+  private shown: Shown | null = null;
+  private readonly reference: Figure;
+  private readonly spots: THREE.InstancedMesh;
+  private readonly marks = new THREE.Group();
+  private handle = 0;
+  private last = 0;
+  /** s into the motion */
+  time = 0;
+  playing = true;
+  /** Pictures drawn so far; for journeys. */
+  pictures = 0;
+  on_time: (time: number) => void = () => undefined;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    reference: MechanismData,
+    theme: 'dark' | 'light',
+  ) {
+    this.stage = new Stage(canvas);
+    this.stage.set_look({ theme, floor: '#2a2c31', light: 0.9 });
+    this.reference = new Figure('', reference, mechanism_geometries(reference), '#7f8894');
+    this.stage.scene.add(this.reference.group);
+    const spot = new THREE.MeshBasicMaterial({ color: 0x7dd3fc });
+    this.spots = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 10, 8), spot, marker_most);
+    this.spots.frustumCulled = false;
+    this.spots.count = 0;
+    this.stage.scene.add(this.spots, this.marks);
+    canvas.addEventListener('pointerdown', this.down);
+    canvas.addEventListener('wheel', this.wheel, { passive: false });
+    this.handle = requestAnimationFrame(this.tick);
+  }
+
+  dispose(): void {
+    cancelAnimationFrame(this.handle);
+    this.canvas.removeEventListener('pointerdown', this.down);
+    this.canvas.removeEventListener('wheel', this.wheel);
+    for (const mesh of this.reference.links) mesh?.geometry.dispose();
+    this.reference.dispose();
+    this.clear();
+    this.stage.dispose();
+  }
+
+  resize(width: number, height: number): void {
+    this.stage.resize(width, height);
+    this.rig.resize(width / Math.max(1, height));
+  }
+
+  /** Shows something else; the eye stays where a correction only changes what is seen. */
+  show(shown: Shown | null, frame: boolean): void {
+    this.clear();
+    this.shown = shown;
+    if (!shown) return;
+    this.figure = new Figure('', shown.mechanism, mechanism_geometries(shown.mechanism), '#e2b08a');
+    for (const mesh of this.figure.links) if (mesh) mesh.frustumCulled = false;
+    this.stage.scene.add(this.figure.group);
+    if (this.time > this.duration) this.time = 0;
+    this.place();
+    this.put_reference();
+    if (frame) this.frame();
+  }
+
+  get duration(): number {
+    return this.shown?.motion?.duration ?? 0;
+  }
+
+  /** Sees the figure and the measure beside it, however large or small it is. */
+  frame(): void {
+    const box = this.box_of(this.reference).union(this.figure ? this.box_of(this.figure) : new THREE.Box3());
+    const sphere = box.getBoundingSphere(new THREE.Sphere());
+    this.rig.look_from(0.75, 0.18);
+    this.rig.frame(sphere);
+    this.rig.set({}, true);
+  }
+
+  /** Heights of what is imported and of the measure, m, as drawn now. */
+  get heights(): { figure: number; reference: number } {
+    const of = (figure: Figure | null): number => (figure ? this.box_of(figure).getSize(new THREE.Vector3()).z : 0);
+    return { figure: of(this.figure), reference: of(this.reference) };
+  }
+
+  private clear(): void {
+    if (this.figure) {
+      this.stage.scene.remove(this.figure.group);
+      for (const mesh of this.figure.links) mesh?.geometry.dispose();
+      this.figure.dispose();
+    }
+    this.figure = null;
+    this.spots.count = 0;
+  }
+
+  private box_of(figure: Figure): THREE.Box3 {
+    figure.group.updateMatrixWorld(true);
+    const box = new THREE.Box3();
+    for (const mesh of figure.links) {
+      if (!mesh) continue;
+      if (!mesh.geometry.boundingBox) mesh.geometry.computeBoundingBox();
+      box.union(mesh.geometry.boundingBox!.clone().applyMatrix4(mesh.matrixWorld));
+    }
+    return box;
+  }
+
+  /** The measure stands at the figure's right, clear of it. */
+  private put_reference(): void {
+    if (!this.figure) return;
+    const box = this.box_of(this.figure);
+    const own = this.box_of(this.reference).getSize(new THREE.Vector3());
+    const centre = box.getCenter(new THREE.Vector3());
+    this.reference.group.position.set(Math.max(-50, Math.min(50, centre.x)), box.min.y - 0.5 * own.y - 0.35, 0);
+  }
+
+  private place(): void {
+    const { shown, figure } = this;
+    if (!shown || !figure) return;
+    const motion = shown.motion;
+    let at = 0;
+    if (motion && motion.count > 0) {
+      at = motion.duration > 0 ? Math.min(motion.count - 1, Math.floor((this.time / motion.duration) * (motion.count - 1) + 0.5)) : 0;
+      figure.place_poses(motion.values, at * motion.links * 7, motion.links);
+    } else {
+      figure.place_neutral();
+    }
+    this.place_markers(shown.markers, at);
+  }
+
+  private place_markers(markers: Markers | undefined, at: number): void {
+    if (!markers) return;
+    const world = new THREE.Matrix4();
+    const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = markers.pose ?? [];
+    world.compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), new THREE.Vector3(1, 1, 1));
+    const size = Math.max(0.003, 0.011 * Math.min(1.5, this.heights.figure / 1.7));
+    const matrix = new THREE.Matrix4();
+    const p = new THREE.Vector3();
+    const frame = Math.min(at, markers.count - 1);
+    let n = 0;
+    for (let i = 0; i < markers.markers && n < marker_most; i++) {
+      const k = 3 * (frame * markers.markers + i);
+      p.set(markers.values[k]!, markers.values[k + 1]!, markers.values[k + 2]!);
+      if (!Number.isFinite(p.x)) continue;
+      p.applyMatrix4(world);
+      this.spots.setMatrixAt(n++, matrix.makeScale(size, size, size).setPosition(p));
+    }
+    this.spots.count = n;
+    this.spots.instanceMatrix.needsUpdate = true;
+  }
+
+  private readonly tick = (now: number): void => {
+    this.handle = requestAnimationFrame(this.tick);
+    if (!this.stage.free) return;
+    const dt = Math.min(0.25, Math.max(0, (now - this.last) / 1000));
+    this.last = now;
+    const moves = this.playing && this.duration > 0;
+    if (moves) {
+      this.time = (this.time + dt) % this.duration;
+      this.on_time(this.time);
+    }
+    this.place();
+    const turned = this.rig.update(Math.max(0.001, dt));
+    const { target, distance } = this.rig.current;
+    this.stage.focus(target, Math.max(2.6, distance * 0.7), distance);
+    this.stage.render(this.rig.camera, !moves && !turned);
+    this.pictures++;
+  };
+
+  private readonly down = (event: PointerEvent): void => {
+    let last = { x: event.clientX, y: event.clientY };
+    this.canvas.setPointerCapture(event.pointerId);
+    const move = (e: PointerEvent): void => {
+      if (event.button === 1 || event.shiftKey) this.rig.pan(e.clientX - last.x, e.clientY - last.y, this.canvas.clientHeight);
+      else this.rig.orbit(e.clientX - last.x, e.clientY - last.y);
+      last = { x: e.clientX, y: e.clientY };
+    };
+    const up = (): void => {
+      this.canvas.removeEventListener('pointermove', move);
+      this.canvas.removeEventListener('pointerup', up);
+      this.canvas.removeEventListener('pointercancel', up);
+    };
+    this.canvas.addEventListener('pointermove', move);
+    this.canvas.addEventListener('pointerup', up);
+    this.canvas.addEventListener('pointercancel', up);
+  };
+
+  private readonly wheel = (event: WheelEvent): void => {
+    event.preventDefault();
+    this.rig.zoom(Math.exp(Math.max(-120, Math.min(120, event.deltaY)) * 0.0016));
+  };
+}
