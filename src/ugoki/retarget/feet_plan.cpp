@@ -1,0 +1,133 @@
+#include "ugoki/retarget/feet_plan.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::retarget {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double swing_tilt = 0.6;  // share of the source's tilt that a foot of another kind shows in the middle of a swing
+constexpr double tilt_time = 0.10;  // s to and from the stance over which it comes
+
+/// The labels of a limb's links, united; empty if there are none.
+std::vector<std::uint8_t> labelled(const Rig& rig, const Motion& motion, int k) {
+  std::vector<std::uint8_t> on;
+  for (const ContactTrack& track : motion.contacts) {
+    const int link = rig.mechanism->find_link(track.link);
+    const std::vector<int>& own = rig.figure.limbs[at(k)].links;
+    const std::vector<int>& parts = rig.limbs[at(k)].sole.parts;
+    const bool ours = std::find(own.begin(), own.end(), link) != own.end() || std::find(parts.begin(), parts.end(), link) != parts.end();
+    if (link < 0 || !ours || static_cast<int>(track.on.size()) != motion.frames) continue;
+    on.resize(track.on.size());
+    for (std::size_t f = 0; f < on.size(); ++f) on[f] = on[f] || track.on[f] ? 1 : 0;
+  }
+  return on;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::uint8_t>> source_contacts(const Rig& rig, const Motion& motion, double& ground) {
+  std::vector<std::vector<std::uint8_t>> out(limb_count);
+  std::vector<motion_edit::FootLimb> feet;
+  std::vector<int> limbs;
+  bool all = true;
+  for (int k = 0; k < limb_count; ++k) {
+    if (!rig.limbs[at(k)].found || (k >= 2 && !rig.figure.four_legs)) continue;
+    out[at(k)] = labelled(rig, motion, k);
+    all = all && !out[at(k)].empty();
+    motion_edit::FootLimb sole = rig.limbs[at(k)].sole;
+    if (rig.limbs[at(k)].point_foot) sole.points = {{rig.limbs[at(k)].end, {rig.limbs[at(k)].end_point, sole.points[0].place.radius}}};
+    feet.push_back(std::move(sole));
+    limbs.push_back(k);
+  }
+  ground = 0;
+  if (all) return out;
+  const double found = motion_edit::find_ground(*rig.mechanism, motion, feet);
+  ground = std::fabs(found) < 0.04 * rig.hip_height ? 0 : found;
+  motion_edit::FootContactOptions options;
+  options.ground = ground;
+  const motion_edit::FootContacts contacts = motion_edit::find_contacts(*rig.mechanism, motion, feet, options);
+  for (std::size_t i = 0; i < limbs.size(); ++i)
+    if (out[at(limbs[i])].empty()) out[at(limbs[i])] = contacts.bears[i];
+  return out;
+}
+
+void flatten(FootPlan& plan, const Mat3& F, double rate) {
+  const std::vector<std::uint8_t>& on = plan.raw.bears;
+  const std::size_t n = on.size();
+  // Frames to the nearest stance.
+  std::vector<double> away(n, 1e9);
+  for (std::size_t f = 0; f < n; ++f) away[f] = on[f] ? 0 : f > 0 ? away[f - 1] + 1 : 1e9;
+  for (std::size_t f = n; f-- > 0;)
+    if (f + 1 < n) away[f] = std::min(away[f], away[f + 1] + 1);
+  for (std::size_t f = 0; f < n; ++f) {
+    const Quat turn = to_quat(plan.turn[f] * F);
+    const Quat heading = normalized(std::fabs(turn.w) + std::fabs(turn.z) > 1e-12 ? Quat{turn.w, 0, 0, turn.z} : Quat{});
+    const double s = std::min(1.0, away[f] / (tilt_time * rate));
+    const Vec3 tilt = log_map(turn * heading.conjugate()) * (swing_tilt * s * s * (3 - 2 * s));
+    plan.turn[f] = to_matrix(exp_map(tilt) * heading) * F.transposed();
+  }
+}
+
+void delay(FootPlan& plan, std::vector<std::uint8_t>& bears, int frames) {
+  if (frames == 0) return;
+  const int n = static_cast<int>(bears.size());
+  const auto from = plan.from_hip;
+  const auto turn = plan.turn;
+  const auto on = bears;
+  for (int f = 0; f < n; ++f) {
+    const std::size_t g = at(std::clamp(f - frames, 0, n - 1));
+    plan.from_hip[at(f)] = from[g];
+    plan.turn[at(f)] = turn[g];
+    bears[at(f)] = on[g];
+  }
+}
+
+int stride_of(std::span<const std::uint8_t> bears) {
+  std::vector<int> between;
+  int last = -1;
+  for (int f = 1; f < static_cast<int>(bears.size()); ++f) {
+    if (!bears[at(f)] || bears[at(f - 1)]) continue;
+    if (last >= 0) between.push_back(f - last);
+    last = f;
+  }
+  if (between.empty()) return 0;
+  std::sort(between.begin(), between.end());
+  return between[between.size() / 2];
+}
+
+double path_skate(const motion_edit::FootPath& path, int& stances) {
+  const std::size_t n = path.X_WF.size(), count = n > 0 ? path.points.size() / n : 0;
+  double worst = 0, way = 0;
+  for (std::size_t f = 0; f < n; ++f) {
+    if (!path.bears[f]) continue;
+    if (f == 0 || !path.bears[f - 1]) {
+      way = 0;
+      ++stances;
+      continue;
+    }
+    const Pose& X = path.X_WF[f];
+    Vec3 lowest;
+    double low = 1e300;
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const SupportPoint& s = path.points[f * count + i];
+      const Vec3 p = s.p + transpose_times(X.R, Vec3{0, 0, -s.radius});
+      if (const double z = (X * p).z; z < low) {
+        low = z;
+        lowest = p;
+        index = i;
+      }
+    }
+    const Vec3 same = lowest - path.points[f * count + index].p + path.points[(f - 1) * count + index].p;
+    const Vec3 d = X * lowest - path.X_WF[f - 1] * same;
+    way += std::sqrt(d.x * d.x + d.y * d.y);
+    worst = std::max(worst, way);
+  }
+  return worst;
+}
+
+}  // namespace ugoki::retarget

@@ -1,0 +1,106 @@
+#include "ugoki/retarget/findings.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/retarget/feet_plan.h"
+
+namespace ugoki::retarget {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+void find_margins(const Mechanism& m, const Motion& motion, RetargetReport& report) {
+  report.least_margin = 1e300;
+  for (const Link& link : m.links()) {
+    const int nv = link.joint.nv();
+    bool limited = false;
+    for (int k = 0; k < nv; ++k)
+      limited = limited || std::isfinite(link.joint.freedoms[at(k)].lower) || std::isfinite(link.joint.freedoms[at(k)].upper);
+    if (!limited || link.joint.type == JointType::floating) continue;
+    int frames = 0;
+    for (int f = 0; f < motion.frames; ++f) {
+      double x[6], margin = 1e300;
+      joint_displacement(link.joint, motion.frame(f) + link.q_index, x);
+      for (int k = 0; k < nv; ++k)
+        margin = std::min({margin, x[k] - link.joint.freedoms[at(k)].lower, link.joint.freedoms[at(k)].upper - x[k]});
+      if (margin < 1e-6) ++frames;
+      if (margin < report.least_margin) {
+        report.least_margin = margin;
+        report.margin_link = link.name;
+      }
+    }
+    if (frames > 0) report.at_limit.emplace_back(link.name, frames);
+  }
+  if (report.least_margin > 1e299) report.least_margin = INFINITY;
+  std::sort(report.at_limit.begin(), report.at_limit.end(),
+            [](const auto& a, const auto& b) { return a.second != b.second ? a.second > b.second : a.first < b.first; });
+}
+
+void find_speeds(const Mechanism& m, const Mapping& mapping, const Motion& motion, RetargetReport& report) {
+  if (!(mapping.speed > 0) && mapping.link_speeds.empty()) return;
+  for (const Link& link : m.links()) {
+    if (link.joint.type == JointType::floating || link.joint.nv() == 0) continue;
+    double most = mapping.speed;
+    for (const auto& [name, speed] : mapping.link_speeds)
+      if (name == link.name) most = speed;
+    if (!(most > 0)) continue;
+    for (int f = 1; f < motion.frames; ++f) {
+      double v[6];
+      joint_difference(link.joint, motion.frame(f - 1) + link.q_index, motion.frame(f) + link.q_index, v);
+      for (int k = 0; k < link.joint.nv(); ++k)
+        if (const double share = std::fabs(v[k]) * motion.rate / most; share > report.greatest_speed) {
+          report.greatest_speed = share;
+          report.speed_link = link.name;
+        }
+    }
+  }
+}
+
+void find_skate(const Rig& rig, const Driver& driver, const Motion& motion, RetargetReport& report) {
+  const Mechanism& m = *rig.mechanism;
+  std::vector<motion_edit::FootPath> paths(motion.contacts.size());
+  std::vector<int> limbs;
+  for (int k = 0; k < limb_count; ++k)
+    if (driver.limb(k).ground && driver.limb(k).source >= 0) limbs.push_back(k);
+  std::vector<Pose> X(at(m.link_count()));
+  for (int f = 0; f < motion.frames; ++f) {
+    calc_poses(m, std::span<const double>(motion.frame(f), at(motion.nq)), X);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      const LimbRig& limb = rig.limbs[at(limbs[i])];
+      // In the world's axes at the led place for a point, in the foot's frame otherwise.
+      const Pose X_WF = limb.point_foot ? Pose{Mat3::identity(), X[at(limb.end)] * limb.end_point} : X[at(limb.end)];
+      paths[i].X_WF.push_back(X_WF);
+      for (const LinkPoint& p : limb.sole.points)
+        paths[i].points.push_back(
+            limb.point_foot ? p.place : SupportPoint{transpose_times(X_WF.R, X[at(p.link)] * p.place.p - X_WF.p), p.place.radius});
+    }
+  }
+  report.stances = 0;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    paths[i].bears = motion.contacts[i].on;
+    report.skate_after = std::max(report.skate_after, path_skate(paths[i], report.stances));
+  }
+}
+
+}  // namespace
+
+void find_facts(const Rig& target, const Driver& driver, const RetargetOptions& options, Retargeted& result) {
+  RetargetReport& report = result.report;
+  find_margins(*target.mechanism, result.motion, report);
+  find_skate(target, driver, result.motion, report);
+  find_speeds(*target.mechanism, options.mapping, result.motion, report);
+  if (!(report.greatest_speed > 1)) return;
+  if (!options.slow_down) {
+    report.notes.push_back(report.speed_link + " would have to be " + to_fixed(report.greatest_speed, 2) +
+                           " times as fast as it may; the motion can be slowed down by that factor.");
+    return;
+  }
+  report.slowed = report.greatest_speed;
+  result.motion.rate /= report.slowed;
+  report.notes.push_back("Slowed down by the factor " + to_fixed(report.slowed, 2) + " because of " + report.speed_link + ".");
+}
+
+}  // namespace ugoki::retarget

@@ -1,0 +1,398 @@
+#include "ugoki/retarget/retarget.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ugoki/base/number.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/motion_edit/rounds.h"
+#include "ugoki/retarget/feet_plan.h"
+#include "ugoki/retarget/findings.h"
+
+namespace ugoki::retarget {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double near_enough = 1e-5;  // of a leg's length: a standing foot this near to its goal is there
+constexpr double fade_time = 0.06;    // s in which a swinging foot comes back to its plan
+constexpr double shift_time = 0.1;    // s before and after within which the root is moved for a foot that cannot reach
+
+class Retargeting {
+ public:
+  Retargeting(const Rig& source, const Rig& target, const Motion& motion, const RetargetOptions& options)
+      : s_(source), t_(target), m_(*target.mechanism), in_(motion), o_(options), driver_(source, target, options.mapping) {
+    if (o_.path_scale > 0) driver_.set_path_scale(o_.path_scale);
+    out_.motion.name = motion.name;
+    out_.motion.source = motion.source;
+    out_.motion.mechanism = m_.name();
+    out_.motion.rate = motion.rate;
+    out_.motion.frames = motion.frames;
+    out_.motion.nq = m_.nq();
+    out_.motion.cyclic = motion.cyclic;
+    out_.motion.q.resize(at(motion.frames) * at(m_.nq()));
+    X_.resize(at(m_.link_count()));
+    q_.resize(at(m_.nq()));
+  }
+
+  Retargeted run() {
+    double ground = 0;
+    bears_ = source_contacts(s_, in_, ground);
+    driver_.set_ground(ground);
+    driver_.set_crouch(usual_crouch(ground));
+    copy_postures();
+    make_paths();
+    solve_all();
+    follow_real_soles();
+    label();
+    find_facts(t_, driver_, o_, out_);
+    for (FootPlan& plan : feet_) add_foot_facts(plan);
+    out_.report.scale = driver_.scale();
+    out_.report.mapping = driver_.words();
+    out_.report.notes.insert(out_.report.notes.end(), t_.notes.begin(), t_.notes.end());
+    return std::move(out_);
+  }
+
+ private:
+  [[nodiscard]] double* frame(int f) { return out_.motion.frame(f); }
+  [[nodiscard]] const double* posture(int f) const { return postures_.data() + at(f) * at(m_.nq()); }
+
+  /// People walk with their hips some centimetres lower than they stand; what has other legs stands as it stands. m
+  [[nodiscard]] double usual_crouch(double ground) const {
+    if (s_.figure.four_legs == t_.figure.four_legs || s_.figure.four_legs) return 0;
+    std::vector<double> heights;
+    std::vector<Pose> X(at(s_.mechanism->link_count()));
+    for (int f = 0; f < in_.frames; f += std::max(1, in_.frames / 200)) {
+      calc_poses(*s_.mechanism, std::span<const double>(in_.frame(f), at(in_.nq)), X);
+      heights.push_back(0.5 * (X[at(s_.limbs[0].root)].p.z + X[at(s_.limbs[1].root)].p.z) - ground);
+    }
+    std::sort(heights.begin(), heights.end());
+    return std::clamp(s_.hip_height - heights[heights.size() * 3 / 4], 0.0, 0.1 * s_.hip_height);
+  }
+
+  /// Joints of every frame, and where the feet would be.
+  void copy_postures() {
+    for (int k = 0; k < limb_count; ++k)
+      if (driver_.limb(k).ground && driver_.limb(k).source >= 0) {
+        FootPlan& plan = feet_.emplace_back();
+        plan.limb = k;
+        plan.from_hip.resize(at(in_.frames));
+        plan.turn.resize(at(in_.frames));
+        plan.raw.X_WF.resize(at(in_.frames));
+        plan.raw.points.reserve(at(in_.frames) * t_.limbs[at(k)].sole.points.size());
+        plan.miss.assign(at(in_.frames), 0.0);
+      }
+    std::vector<Pose> X_S(at(s_.mechanism->link_count()));
+    q_ = t_.q_stand;
+    for (int f = 0; f < in_.frames; ++f) {
+      const std::span<const double> q_S(in_.frame(f), at(in_.nq));
+      calc_poses(*s_.mechanism, q_S, X_S);
+      if (f == 0)  // the first solution has no frame before it to start from
+        for (int i = 0; i < 5; ++i) driver_.pose(q_S, X_S, q_, X_);
+      driver_.pose(q_S, X_S, q_, X_);
+      std::copy(q_.begin(), q_.end(), frame(f));
+      for (FootPlan& plan : feet_) {
+        const LimbRig& limb = t_.limbs[at(plan.limb)];
+        plan.from_hip[at(f)] = driver_.end_place(plan.limb, X_S);
+        plan.turn[at(f)] = limb.point_foot ? Mat3::identity() : driver_.end_turn(plan.limb, X_S);
+        plan.raw.X_WF[at(f)].p = X_[at(limb.root)].p;
+        const Pose& X_end = X_[at(limb.end)];
+        for (const LinkPoint& p : limb.sole.points)
+          plan.raw.points.push_back(
+              limb.point_foot ? p.place : SupportPoint{transpose_times(X_end.R, X_[at(p.link)] * p.place.p - X_end.p), p.place.radius});
+      }
+    }
+    postures_ = out_.motion.q;
+  }
+
+  void make_paths() {
+    for (FootPlan& plan : feet_) {
+      const LimbDrive& drive = driver_.limb(plan.limb);
+      std::vector<std::uint8_t> on = bears_[at(drive.source)];
+      if (on.empty()) on.assign(at(in_.frames), 0);
+      if (plan.limb >= 2 && drive.source < 2) {
+        const double part = o_.gait_phase - 0.5;
+        delay(plan, on, static_cast<int>(std::lround(part * stride_of(on))));
+      }
+      plan.raw.bears = std::move(on);
+      if (drive.flat && !t_.limbs[at(plan.limb)].point_foot) flatten(plan, t_.F[at(t_.limbs[at(plan.limb)].end)], in_.rate);
+      for (int f = 0; f < in_.frames; ++f) {
+        Pose& X = plan.raw.X_WF[at(f)];
+        X.p += plan.from_hip[at(f)];
+        X.R = plan.turn[at(f)];
+      }
+    }
+    pin();
+  }
+
+  void pin() {
+    std::vector<motion_edit::FootPath> paths;
+    for (const FootPlan& plan : feet_) paths.push_back(plan.raw);
+    if (o_.keep_contacts) motion_edit::pin_stances(paths, in_.rate, 0, t_.leg_length, {});
+    for (std::size_t k = 0; k < feet_.size(); ++k) feet_[k].path = std::move(paths[k]);
+  }
+
+  /// Legs of one frame, with the root moved by `shift`. @return what the standing feet still need of the root, on average
+  Vec3 solve_frame(int f, const Vec3& shift, double& worst) {
+    std::copy_n(posture(f), m_.nq(), frame(f));
+    calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
+    Vec3 need;
+    int count = 0;
+    worst = 0;
+    for (FootPlan& plan : feet_) {
+      if (!o_.keep_contacts && driver_.limb(plan.limb).mode == LimbMode::copied) continue;
+      const LimbRig& limb = t_.limbs[at(plan.limb)];
+      const double enough = near_enough * t_.leg_length;
+      Pose goal = plan.path.X_WF[at(f)];
+      goal.p = goal.p - shift - goal.R * limb.end_point;
+      plan.miss[at(f)] = driver_.reach(plan.limb, goal, frame(f), X_);
+      if (!plan.path.bears[at(f)] || plan.miss[at(f)] < enough) continue;
+      worst = std::max(worst, plan.miss[at(f)]);
+      need += goal * limb.end_point - X_[at(limb.end)] * limb.end_point;
+      ++count;
+    }
+    if (m_.link(0).joint.type == JointType::floating) {
+      const Vec3 own = transpose_times(m_.link(0).joint.X_PJ.R, shift);
+      for (int k = 0; k < 3; ++k) frame(f)[k] += own[k];
+    }
+    return count > 0 ? need / count : need;
+  }
+
+  /// A place of the root at which all standing feet reach, found by moving it towards what they lack (projection onto what each can reach).
+  Vec3 find_shift(int f, Vec3 shift) {
+    double worst = 0;
+    const double enough = near_enough * t_.leg_length;
+    for (int i = 0; i < 30; ++i) {
+      const Vec3 need = solve_frame(f, shift, worst);
+      if (worst < enough) break;
+      shift += need * 1.5;
+    }
+    return shift;
+  }
+
+  /// A smooth curve that is nowhere less than the given one within shift_time: greatest of the neighbourhood, then averaged.
+  [[nodiscard]] std::vector<Vec3> envelope(const std::vector<Vec3>& d) const {
+    const int n = static_cast<int>(d.size()), w = std::max(1, static_cast<int>(shift_time * in_.rate + 0.5));
+    std::vector<Vec3> wide(d.size()), out(d.size());
+    std::vector<double> hann;
+    double sum = 0;
+    for (int i = -w; i <= w; ++i) {
+      hann.push_back(0.5 + 0.5 * cos(pi * i / (w + 1)));
+      sum += hann.back();
+    }
+    int quiet = w + 1;  // frames since a shift was near
+    for (int f = 0; f < n + w; ++f) {
+      quiet = f < n && d[at(f)] != Vec3{} ? 0 : quiet + 1;
+      const int g = f - w;
+      if (g < 0 || quiet > 2 * w) continue;
+      for (int k = 0; k < 3; ++k) {
+        double low = 0, high = 0;
+        for (int i = std::max(0, g - w); i <= std::min(n - 1, g + w); ++i) {
+          low = std::min(low, d[at(i)][k]);
+          high = std::max(high, d[at(i)][k]);
+        }
+        wide[at(g)][k] = low + high;
+      }
+    }
+    for (int f = 0; f < n; ++f)
+      for (int i = -w; i <= w; ++i) out[at(f)] += wide[at(std::clamp(f + i, 0, n - 1))] * (hann[at(i + w)] / sum);
+    return out;
+  }
+
+  void solve_all() {
+    std::vector<Vec3> shift(at(in_.frames)), extra(at(in_.frames));
+    const bool movable = m_.link(0).joint.type == JointType::floating && o_.keep_contacts;
+    double worst = 0;
+    const double enough = near_enough * t_.leg_length;
+    for (int round = 0;; ++round) {
+      bool any = false;
+      const bool last = round == 3;
+      for (int f = 0; f < in_.frames; ++f) {
+        extra[at(f)] = {};
+        if (round > 0 && !dirty_[at(f)]) continue;
+        solve_frame(f, shift[at(f)], worst);
+        if (!movable || worst < enough) continue;
+        const Vec3 found = find_shift(f, shift[at(f)]);
+        extra[at(f)] = found - shift[at(f)];
+        any = true;
+        if (last) shift[at(f)] = found;
+      }
+      if (!any || last) break;
+      const std::vector<Vec3> smooth = envelope(extra);
+      dirty_.assign(at(in_.frames), 0);
+      for (int f = 0; f < in_.frames; ++f) {
+        if (smooth[at(f)] == Vec3{}) continue;
+        shift[at(f)] += smooth[at(f)];
+        dirty_[at(f)] = 1;
+      }
+    }
+    out_.report.greatest_shift = 0;
+    for (int f = 0; f < in_.frames; ++f)
+      if (norm(shift[at(f)]) > out_.report.greatest_shift) {
+        out_.report.greatest_shift = norm(shift[at(f)]);
+        out_.report.shift_frame = f;
+      }
+  }
+
+  /// Soles that could not turn as wanted (limits, missing freedoms) are planned again as they really turn, once; what then still differs is
+  /// rolled off frame by frame.
+  void follow_real_soles() {
+    if (!o_.keep_contacts) return;
+    double worst = 0;
+    std::vector<std::vector<Pose>> real(feet_.size(), std::vector<Pose>(at(in_.frames)));
+    for (int f = 0; f < in_.frames; ++f) {
+      calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
+      for (std::size_t k = 0; k < feet_.size(); ++k) {
+        const LimbRig& limb = t_.limbs[at(feet_[k].limb)];
+        real[k][at(f)] = X_[at(limb.end)];
+        if (limb.point_foot || !feet_[k].path.bears[at(f)]) continue;
+        const Mat3 off = real[k][at(f)].R.transposed() * feet_[k].path.X_WF[at(f)].R;
+        worst = std::max(worst, 3 - off.trace());
+      }
+    }
+    if (worst < 1e-7) return;  // angle^2: a third of a milliradian
+    for (std::size_t k = 0; k < feet_.size(); ++k) {
+      if (t_.limbs[at(feet_[k].limb)].point_foot) continue;
+      for (int f = 0; f < in_.frames; ++f) feet_[k].raw.X_WF[at(f)].R = real[k][at(f)].R;
+    }
+    pin();
+    dirty_.clear();
+    solve_all();
+    for (FootPlan& plan : feet_)
+      if (!t_.limbs[at(plan.limb)].point_foot) roll(plan);
+  }
+
+  /// Lowest place of the sole, in the foot's frame. @param z m, out: its height
+  [[nodiscard]] Vec3 lowest_place(const FootPlan& plan, int f, const Pose& X_WF, double& z) const {
+    const std::size_t count = t_.limbs[at(plan.limb)].sole.points.size();
+    Vec3 lowest;
+    z = 1e300;
+    for (std::size_t i = 0; i < count; ++i) {
+      const SupportPoint& s = plan.path.points[at(f) * count + i];
+      const Vec3 p = s.p + transpose_times(X_WF.R, Vec3{0, 0, -s.radius});
+      if (const double height = (X_WF * p).z; height < z) {
+        z = height;
+        lowest = p;
+      }
+    }
+    return lowest;
+  }
+
+  /// From frame to frame: the place that bears stays where it was in the frame before, at the height of the plan.
+  void roll(FootPlan& plan) {
+    const LimbRig& limb = t_.limbs[at(plan.limb)];
+    const double fade = 1 / (1 + fade_time * in_.rate);
+    Vec3 off;  // of the foot from its plan
+    Pose before;
+    for (int f = 0; f < in_.frames; ++f) {
+      const bool stands = plan.path.bears[at(f)] != 0, stood = f > 0 && plan.path.bears[at(f - 1)] != 0;
+      const Pose& planned = plan.path.X_WF[at(f)];
+      double height = 0, z = 0;
+      (void)lowest_place(plan, f, planned, height);
+      if (!stands) off = off * (1 - fade);
+      calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
+      Pose X = X_[at(limb.end)];
+      for (int i = 0; i < 4; ++i) {
+        Pose goal{planned.R, planned.p + off};
+        const Vec3 place = lowest_place(plan, f, X, z);
+        goal.p.z = height - (X.R * place).z;  // lowest place of the real sole at the planned height
+        if (stands && stood) {
+          const Vec3 moved = goal.p + X.R * place - before * place;
+          off -= Vec3{moved.x, moved.y, 0};
+          goal.p -= Vec3{moved.x, moved.y, 0};
+        }
+        plan.miss[at(f)] = driver_.reach(plan.limb, goal, frame(f), X_);
+        const Mat3 turned = X.R.transposed() * X_[at(limb.end)].R;
+        X = X_[at(limb.end)];
+        if (3 - turned.trace() < 1e-12) break;
+      }
+      before = X;
+    }
+  }
+
+  /// Standing feet are labelled; one that did not come to the ground does not stand.
+  void label() {
+    for (FootPlan& plan : feet_) {
+      const LimbRig& limb = t_.limbs[at(plan.limb)];
+      ContactTrack track;
+      track.link = m_.link(limb.end).name;
+      track.on = plan.path.bears;
+      for (int f = 0; f < in_.frames; ++f)
+        if (plan.miss[at(f)] > 2e-3 * limb.length) track.on[at(f)] = 0;
+      out_.motion.contacts.push_back(std::move(track));
+    }
+  }
+
+  void add_foot_facts(FootPlan& plan) {
+    int none = 0;
+    out_.report.skate_before = std::max(out_.report.skate_before, path_skate(plan.raw, none));
+    Miss miss;
+    miss.link = m_.link(t_.limbs[at(plan.limb)].end).name;
+    for (int f = 0; f < in_.frames; ++f) {
+      if (!plan.path.bears[at(f)] || plan.miss[at(f)] < 1e-3) continue;
+      ++miss.frames;
+      if (plan.miss[at(f)] > miss.most) {
+        miss.most = plan.miss[at(f)];
+        miss.frame = f;
+      }
+    }
+    if (miss.frames > 0) out_.report.misses.push_back(miss);
+  }
+
+  const Rig& s_;
+  const Rig& t_;
+  const Mechanism& m_;
+  const Motion& in_;
+  const RetargetOptions& o_;
+  Driver driver_;
+  std::vector<std::vector<std::uint8_t>> bears_;  // [limbs of the source][frames]
+  std::vector<FootPlan> feet_;
+  std::vector<double> postures_, q_;
+  std::vector<Pose> X_;
+  std::vector<std::uint8_t> dirty_;
+  Retargeted out_;
+};
+
+/// Runs with shorter and shorter steps until the feet reach where they shall stand.
+Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& motion, const RetargetOptions& options) {
+  Retargeted best;
+  double least = 1e300;
+  RetargetOptions tried = options;
+  const double usual = Driver(source, target, options.mapping).scale();
+  for (int i = 0; i < 7; ++i) {
+    Retargeted out = Retargeting(source, target, motion, tried).run();
+    double most = 0;
+    for (const Miss& miss : out.report.misses) most = std::max(most, miss.most);
+    if (most < least - 1e-4 || i == 0) {
+      least = most;
+      best = std::move(out);
+      if (i > 0)
+        best.report.notes.push_back("Steps are " + to_fixed(100 * (1 - tried.path_scale / usual), 0) +
+                                    " % shorter than those of the source, because the legs reach no further within their limits.");
+    }
+    if (most < 2e-3 * target.leg_length || options.path_scale > 0) break;
+    tried.path_scale = usual * pow(0.85, i + 1);
+  }
+  return best;
+}
+
+}  // namespace
+
+Result<Retargeted> retarget(MechanismPtr from, const Motion& motion, MechanismPtr to, const RetargetOptions& options) {
+  if (Error wrong = check_motion(motion, *from); !wrong.empty()) return fail(std::move(wrong));
+  Result<Rig> source = make_rig(from, options.mapping.source);
+  if (!source) return fail(std::move(source.error()));
+  Result<Rig> target = make_rig(to, options.mapping.target, options.mapping.soles);
+  if (!target) return fail(std::move(target.error()));
+  if (to->link(0).joint.type != JointType::floating)
+    return fail(ErrorCode::structure, to->name(), "Its base is joined to the world, so it cannot go where the motion goes.",
+                "Read it with a floating base (--base floating).");
+  if (!motion.cyclic || !options.keep_contacts || motion.frames < 3) return run_with_steps(*source, *target, motion, options);
+  const Motion rounds = motion_edit::three_rounds(motion, *from);
+  Retargeted out = run_with_steps(*source, *target, rounds, options);
+  const auto place = [&](int frame) { return root_placement(*to, {out.motion.frame(frame), at(to->nq())}); };
+  const int round = motion.frames - 1;
+  out.motion = motion_edit::middle_round(out.motion, *to, place(2 * round) * inverse(place(round)));
+  return out;
+}
+
+}  // namespace ugoki::retarget
