@@ -136,20 +136,21 @@ class Plate {
     const double low = sorted.front(), high = sorted.back();
     const double base = std::fabs(low) < std::fabs(high) ? low : high;
     if (high - low < 10 * o_.threshold) return;
-    std::vector<double> mean(channels_, 0.0);
-    std::size_t count = 0;
+    std::vector<std::vector<double>> quiet(channels_);
     for (std::size_t s = 0; s < samples_; ++s) {
       if (std::fabs(load[s] - base) > quiet_load * (high - low)) continue;
-      ++count;
-      for (std::size_t k = 0; k < channels_; ++k) mean[k] += values_[s * channels_ + k];
+      for (std::size_t k = 0; k < channels_; ++k) quiet[k].push_back(values_[s * channels_ + k]);
     }
-    if (static_cast<double>(count) < quiet_share * static_cast<double>(samples_)) return;
+    if (static_cast<double>(quiet[0].size()) < quiet_share * static_cast<double>(samples_)) return;
     const std::size_t last = plate_.type == 1 ? 3 : channels_;  // a centre of pressure has no offset
+    std::vector<double> offset(channels_, 0.0);
     for (std::size_t k = 0; k < last; ++k) {
-      mean[k] /= static_cast<double>(count);
-      for (std::size_t s = 0; s < samples_; ++s) values_[s * channels_ + k] -= mean[k];
+      const auto middle = quiet[k].begin() + static_cast<std::ptrdiff_t>(quiet[k].size() / 2);
+      std::nth_element(quiet[k].begin(), middle, quiet[k].end());  // the median: the beginnings of steps do not count
+      offset[k] = *middle;
+      for (std::size_t s = 0; s < samples_; ++s) values_[s * channels_ + k] -= offset[k];
     }
-    const double vertical_offset = plate_.type == 3 ? mean[4] + mean[5] + mean[6] + mean[7] : mean[2];
+    const double vertical_offset = plate_.type == 3 ? offset[4] + offset[5] + offset[6] + offset[7] : offset[2];
     if (std::fabs(vertical_offset) > 1)
       report.push_back(name_ + ": an offset of " + std::to_string(static_cast<int>(std::lround(vertical_offset))) +
                        " N of the empty plate was taken away.");

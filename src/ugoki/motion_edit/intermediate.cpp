@@ -228,9 +228,7 @@ Progression Intermediate::Impl::mixed_progression(std::span<const double> w, int
 
 Motion Intermediate::Impl::mix(std::span<const double> w, std::vector<FootPath>& paths) const {
   const std::size_t count = sources.size();
-  double rate = 0;
-  for (std::size_t j = 0; j < count; ++j)
-    if (w[j] > 0) rate = std::max(rate, sources[j].cycle.rate);
+  const double rate = sources[at(static_cast<int>(std::max_element(w.begin(), w.end()) - w.begin()))].cycle.rate;
   int n = 0;
   const Progression way = mixed_progression(w, n, rate);
   // Phases of the common cycle at which what belongs together happens: the weighted means of the sources' own.

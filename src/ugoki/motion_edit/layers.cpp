@@ -23,7 +23,7 @@ Moment moment_of(const Motion& layer, const LayerOptions& o, double t, double en
   // At the base's own ends there is nothing to ease from.
   const double in = o.fade > 0 && o.offset > 0 ? eased(local / o.fade) : 1;
   const double out = o.fade > 0 && o.offset + last < end - 1e-9 ? eased((last - local) / o.fade) : 1;
-  if (layer.cyclic && layer.duration() > 0) local -= layer.duration() * std::floor(local / layer.duration());
+  if (layer.cyclic && local > layer.duration() + 1e-9) local -= layer.duration() * std::floor(local / layer.duration());
   return {local, in * out};
 }
 

@@ -1,0 +1,146 @@
+#include "ugoki/motion_edit/edit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "figures.h"
+#include "ugoki/motion_edit/foot_contacts.h"
+#include "ugoki/motion_edit/root_path.h"
+
+namespace ugoki::motion_edit {
+namespace {
+
+Motion labelled(const Figure& figure) {
+  Motion motion = figure.motion;
+  set_labels(figure.m(), find_contacts(figure.m(), motion), motion);
+  return motion;
+}
+
+TEST(Edit, TrimAndReverse) {
+  const Figure figure = human_walk();
+  const Motion walk = labelled(figure);
+  const Motion part = trim(walk, 5, 20).value();
+  EXPECT_EQ(part.frames, 16);
+  EXPECT_FALSE(part.cyclic);
+  for (int k = 0; k < walk.nq; ++k) EXPECT_EQ(part.frame(3)[k], walk.frame(8)[k]);
+  EXPECT_EQ(part.contacts[0].on[3], walk.contacts[0].on[8]);
+  EXPECT_EQ(trim(walk, 0, walk.frames - 1).value().q, walk.q);
+  EXPECT_EQ(reverse(reverse(walk)).q, walk.q);
+  for (int k = 0; k < walk.nq; ++k) EXPECT_EQ(reverse(walk).frame(0)[k], walk.frame(walk.frames - 1)[k]);
+  for (const auto& [first, last] : {std::pair{-1, 5}, {0, walk.frames}, {7, 6}}) {
+    const auto wrong = trim(walk, first, last);
+    ASSERT_FALSE(wrong);
+    EXPECT_NE(wrong.error().text().find(std::to_string(last)), std::string::npos);
+  }
+}
+
+TEST(Edit, ResampleKeepsTheMotion) {
+  const Figure figure = human_walk();
+  const Motion walk = unrolled(figure.m(), figure.motion, 2);
+  EXPECT_LT(greatest_difference(figure.m(), resample(figure.m(), walk, walk.rate).value(), walk), 1e-12);
+  const Motion there = resample(figure.m(), walk, 4 * walk.rate).value();
+  EXPECT_EQ(there.frames, 4 * (walk.frames - 1) + 1);
+  const Motion back = resample(figure.m(), there, walk.rate).value();  // filtered at 0.4 of the rate, far above a walk
+  EXPECT_LT(greatest_difference(figure.m(), back, walk), 0.03);
+  const Motion around = resample(figure.m(), figure.motion, 77).value();
+  EXPECT_NEAR(around.duration(), figure.motion.duration(), 1e-12);
+  EXPECT_TRUE(around.cyclic);
+  for (const double rate : {0.0, -5.0, 1e9, static_cast<double>(NAN)}) EXPECT_FALSE(resample(figure.m(), walk, rate)) << rate;
+}
+
+TEST(Edit, ScaleKeepsDynamicsByFroude) {
+  const Figure figure = human_walk();
+  const Motion small = scale(figure.m(), figure.motion, {.length = 0.25, .froude = true}).value();
+  EXPECT_NEAR(small.duration(), 0.5 * figure.motion.duration(), 1e-12);
+  EXPECT_NEAR(small.frame(9)[0], 0.25 * figure.motion.frame(9)[0], 1e-15);
+  for (int k = 3; k < small.nq; ++k) EXPECT_EQ(small.frame(9)[k], figure.motion.frame(9)[k]);
+  EXPECT_FALSE(scale(figure.m(), figure.motion, {.length = 0}));
+  EXPECT_FALSE(scale(figure.m(), figure.motion, {.time = -1}));
+}
+
+TEST(Edit, TimeWarpKeepsPosesAndContacts) {
+  const Figure figure = human_walk();
+  const Motion walk = labelled(figure);
+  const double T = walk.duration();
+  const TimePoint same[] = {{0, 0}, {T, T}};
+  EXPECT_LT(greatest_difference(figure.m(), time_warp(figure.m(), walk, same).value(), walk), 1e-12);
+  const TimePoint slow[] = {{0, 0}, {T, 0.5 * T}, {1.5 * T, T}};
+  const Motion warped = time_warp(figure.m(), walk, slow).value();
+  EXPECT_NEAR(warped.duration(), 1.5 * T, 1 / walk.rate);
+  std::vector<double> q(at(walk.nq)), d(at(figure.m().nv()));
+  sample(warped, figure.m(), T, q);
+  std::vector<double> wanted(q.size());
+  sample(walk, figure.m(), 0.5 * T, wanted);
+  difference(figure.m(), q, wanted, d);
+  for (const double x : d) EXPECT_LT(std::fabs(x), 0.02);
+  const auto share = [](const Motion& m) {
+    double sum = 0;
+    for (const std::uint8_t on : m.contacts[0].on) sum += on;
+    return sum / m.frames;
+  };
+  EXPECT_GT(share(warped), 0.2);
+  EXPECT_EQ(warped.contacts[0].on.size(), at(warped.frames));
+  const TimePoint back[] = {{0, 0}, {1, 0.5}, {2, 0.2}}, outside[] = {{0, 0}, {1, 99}};
+  EXPECT_FALSE(time_warp(figure.m(), walk, back));
+  const auto wrong = time_warp(figure.m(), walk, outside);
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().text().find("99"), std::string::npos);
+}
+
+TEST(Edit, JoinLaysTheSecondWhereTheFirstEnds) {
+  const Figure figure = human_walk();
+  const Motion walk = labelled(figure);
+  Motion turned = walk;
+  for (int f = 0; f < turned.frames; ++f) displace_root(figure.m(), {3, -7, 0, 2.1}, {turned.frame(f), at(turned.nq)});
+  const Motion both = join(figure.m(), walk, turned, {.blend = 0}).value();
+  EXPECT_LT(greatest_difference(figure.m(), both, unrolled(figure.m(), walk, 2)), 1e-9);
+  const Motion soft = join(figure.m(), walk, turned, {.blend = 0.2}).value();
+  EXPECT_NEAR(soft.duration(), 2 * walk.duration() - 0.2, 1.01 / walk.rate);
+  double most = 0, usual = 0;
+  std::vector<double> v(at(figure.m().nv()));
+  for (int f = 1; f < soft.frames; ++f) {
+    difference(figure.m(), {soft.frame(f - 1), at(soft.nq)}, {soft.frame(f), at(soft.nq)}, v);
+    for (const double x : v) most = std::max(most, std::fabs(x));
+  }
+  for (int f = 1; f < walk.frames; ++f) {
+    difference(figure.m(), {walk.frame(f - 1), at(walk.nq)}, {walk.frame(f), at(walk.nq)}, v);
+    for (const double x : v) usual = std::max(usual, std::fabs(x));
+  }
+  EXPECT_LT(most, 2.5 * usual);
+  EXPECT_FALSE(join(figure.m(), walk, turned, {.blend = 50}));
+  const Figure dog = dog_trot();
+  EXPECT_FALSE(join(figure.m(), walk, dog.motion));
+}
+
+TEST(RootPath, BentWalksGoAlongTheCurveAndStand) {
+  const Figure figure = human_walk();
+  const Motion walk = unrolled(figure.m(), figure.motion, 5);
+  std::vector<PathPoint> circle;
+  for (int i = 0; i <= 12; ++i) circle.push_back({3 * std::sin(0.2 * i), 3 * (1 - std::cos(0.2 * i))});
+  FootLockReport report;
+  const Motion bent = bend_path(figure.m(), walk, circle, {}, &report).value();
+  const std::vector<PathPoint> way = root_path(figure.m(), bent);
+  for (std::size_t f = 0; f < way.size(); ++f) {
+    const double r = std::hypot(way[f].x, way[f].y - 3);
+    EXPECT_NEAR(r, 3, 0.06) << f;
+  }
+  const double straight = std::hypot(walk.frame(walk.frames - 1)[0] - walk.frame(0)[0], walk.frame(walk.frames - 1)[1] - walk.frame(0)[1]);
+  const double turn = root_placement(figure.m(), {bent.frame(bent.frames - 1), at(bent.nq)}).heading -
+                      root_placement(figure.m(), {bent.frame(0), at(bent.nq)}).heading;
+  EXPECT_NEAR(turn, straight / 3, 0.15);
+  EXPECT_LT(report.after.worst_cm, 1.0);
+  // Its own way gives it back.
+  std::vector<PathPoint> own;
+  const std::vector<PathPoint> before = root_path(figure.m(), walk);
+  for (std::size_t f = 0; f < before.size(); f += 20) own.push_back(before[f]);
+  own.push_back(before.back());
+  RootPathOptions only;
+  only.lock_feet = false;
+  EXPECT_LT(greatest_difference(figure.m(), bend_path(figure.m(), walk, own, only).value(), walk), 0.03);
+  const PathPoint one[] = {{1, 1}, {1, 1}};
+  EXPECT_FALSE(bend_path(figure.m(), walk, one));
+}
+
+}  // namespace
+}  // namespace ugoki::motion_edit

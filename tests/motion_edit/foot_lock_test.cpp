@@ -1,0 +1,183 @@
+#include "ugoki/motion_edit/foot_lock.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "figures.h"
+#include "ugoki/motion/measures.h"
+#include "ugoki/motion_edit/edit.h"
+
+namespace ugoki::motion_edit {
+namespace {
+
+/// The walk with its way over the ground stretched: feet slide.
+Motion stretched(const Mechanism& m, const Motion& motion, double factor) {
+  Motion out = motion;
+  for (int f = 0; f < out.frames; ++f) {
+    const Placement root = root_placement(m, {motion.frame(f), at(motion.nq)});
+    displace_root(m, {(factor - 1) * root.x, (factor - 1) * root.y, 0, 0}, {out.frame(f), at(out.nq)});
+  }
+  return out;
+}
+
+TEST(Feet, AreFoundByLabelAndByPlace) {
+  const Figure human = human_walk();
+  const std::vector<FootLimb> feet = find_foot_limbs(human.m());
+  ASSERT_EQ(feet.size(), 2U);
+  for (const FootLimb& f : feet) {
+    EXPECT_GT(f.length, 0.7);
+    EXPECT_LT(f.length, 1.0);
+    EXPECT_FALSE(f.heel.empty());
+    EXPECT_FALSE(f.toe.empty());
+  }
+  const Figure dog = dog_trot();
+  EXPECT_EQ(find_foot_limbs(dog.m()).size(), 4U);
+  // Without labels the lowest ends of the limbs are the feet.
+  MechanismSpec spec = dog.m().spec();
+  for (LinkSpec& l : spec.links) l.label.clear();
+  const MechanismPtr bare = Mechanism::make(spec).value();
+  const std::vector<FootLimb> found = find_foot_limbs(*bare), labelled = find_foot_limbs(dog.m());
+  ASSERT_EQ(found.size(), 4U);
+  for (const FootLimb& f : found)
+    EXPECT_TRUE(std::any_of(labelled.begin(), labelled.end(), [&](const FootLimb& l) {
+      return std::find(l.parts.begin(), l.parts.end(), f.link) != l.parts.end();
+    })) << bare->link(f.link).name;
+  const std::vector<std::string> unknown = {"wing"};
+  const auto wrong = find_foot_limbs(dog.m(), unknown);
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().text().find("wing"), std::string::npos);
+}
+
+TEST(FootContacts, DoNotDependOnRateNorNoise) {
+  const Figure human = human_walk();
+  const Motion walk = unrolled(human.m(), human.motion, 2);
+  const FootContacts truth = find_contacts(human.m(), walk);
+  for (const double rate : {30.0, 60.0, 250.0}) {
+    const Motion other = resample(human.m(), walk, rate).value();
+    const FootContacts found = find_contacts(human.m(), other);
+    for (std::size_t k = 0; k < 2; ++k) {
+      int wrong = 0;
+      for (int f = 0; f < other.frames; ++f)
+        wrong +=
+            found.bears[k][at(f)] != truth.bears[k][at(std::min(walk.frames - 1, static_cast<int>(f * walk.rate / rate + 0.5)))] ? 1 : 0;
+      EXPECT_LT(wrong / static_cast<double>(other.frames), 0.06) << rate << " frames a second, foot " << k;
+    }
+  }
+  Motion noisy = walk;
+  std::mt19937 random(7);
+  std::normal_distribution<double> off(0, 0.001);
+  for (int f = 0; f < noisy.frames; ++f)
+    for (int k = 0; k < 3; ++k) noisy.frame(f)[k] += off(random);
+  const FootContacts found = find_contacts(human.m(), noisy);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(found.stances(k).size(), truth.stances(k).size()) << "seed 7";
+    int wrong = 0;
+    for (int f = 0; f < walk.frames; ++f) wrong += found.bears[k][at(f)] != truth.bears[k][at(f)] ? 1 : 0;
+    EXPECT_LT(wrong / static_cast<double>(walk.frames), 0.06);
+  }
+}
+
+TEST(FootContacts, GroundIsFoundWhereItIs) {
+  const Figure human = human_walk();
+  Motion high = human.motion;
+  for (int f = 0; f < high.frames; ++f) displace_root(human.m(), {0, 0, 0.37, 0}, {high.frame(f), at(high.nq)});
+  const std::vector<FootLimb> feet = find_foot_limbs(human.m());
+  EXPECT_NEAR(find_ground(human.m(), high, feet) - find_ground(human.m(), human.motion, feet), 0.37, 1e-9);
+  FootContactOptions find;
+  find.find_ground = true;
+  const FootContacts lifted = find_contacts(human.m(), high, find), level = find_contacts(human.m(), human.motion, find);
+  EXPECT_EQ(lifted.bears, level.bears);
+}
+
+TEST(FootLock, SlidingFeetStand) {
+  for (const Figure& figure : {human_walk(), dog_trot()}) {
+    const Motion walk = unrolled(figure.m(), figure.motion, 3);
+    FootContacts contacts = find_contacts(figure.m(), walk);
+    const Motion sliding = stretched(figure.m(), walk, 0.9);
+    FootLockReport report;
+    const Motion locked = lock_feet(figure.m(), sliding, contacts, {}, &report).value();
+    EXPECT_GT(report.before.worst_cm, 3.0);
+    EXPECT_LT(report.after.worst_cm, 0.5) << figure.m().name();
+    EXPECT_LT(report.greatest_miss, 0.003);
+    // The same by the measure that judges motions, for the first link of each foot.
+    std::vector<int> links;
+    for (const FootLimb& f : contacts.feet) links.push_back(f.link);
+    FootSkate skate(figure.m(), links);
+    std::vector<Pose> X(at(figure.m().link_count()));
+    std::vector<std::uint8_t> on(links.size());
+    for (int f = 0; f < locked.frames; ++f) {
+      calc_poses(figure.m(), {locked.frame(f), at(locked.nq)}, X);
+      for (std::size_t k = 0; k < on.size(); ++k) on[k] = contacts.bears[k][at(f)];
+      skate.add(X, on, 1 / locked.rate);
+    }
+    if (contacts.feet[0].parts.size() == 1) EXPECT_LT(skate.worst_stance_cm(), 0.5);
+    // Nothing but limbs and the root's height has changed.
+    for (int f = 0; f < locked.frames; ++f) {
+      EXPECT_EQ(locked.frame(f)[0], sliding.frame(f)[0]);
+      EXPECT_EQ(locked.frame(f)[1], sliding.frame(f)[1]);
+    }
+  }
+}
+
+TEST(FootLock, JointsStaySmooth) {
+  const Figure figure = human_walk();
+  const Motion walk = unrolled(figure.m(), figure.motion, 3);
+  const Motion locked = lock_feet(figure.m(), stretched(figure.m(), walk, 1.1), find_contacts(figure.m(), walk)).value();
+  const auto jerkiest = [&](const Motion& motion) {
+    std::vector<double> v(at(figure.m().nv())), before;
+    double most = 0;
+    for (int f = 1; f < motion.frames; ++f) {
+      difference(figure.m(), {motion.frame(f - 1), at(motion.nq)}, {motion.frame(f), at(motion.nq)}, v);
+      for (std::size_t k = 6; k < v.size() && !before.empty(); ++k)
+        most = std::max(most, std::fabs(v[k] - before[k]) * motion.rate * motion.rate);
+      before = v;
+    }
+    return most;
+  };
+  EXPECT_LT(jerkiest(locked), 4 * jerkiest(walk) + 300);  // rad/s^2: no popping knee
+}
+
+TEST(FootLock, ALegThatIsTooShortLowersThePelvis) {
+  const Figure figure = human_walk();
+  const Motion walk = unrolled(figure.m(), figure.motion, 2);
+  const FootContacts contacts = find_contacts(figure.m(), walk);
+  Motion high = walk;
+  for (int f = 0; f < high.frames; ++f) displace_root(figure.m(), {0, 0, 0.05, 0}, {high.frame(f), at(high.nq)});
+  FootLockReport report;
+  const Motion locked = lock_feet(figure.m(), high, contacts, {}, &report).value();
+  EXPECT_GT(report.greatest_drop, 0.03);
+  EXPECT_LT(report.after.worst_cm, 0.5);
+  std::vector<Pose> X(at(figure.m().link_count()));
+  for (int f = 0; f < locked.frames; ++f) {
+    calc_poses(figure.m(), {locked.frame(f), at(locked.nq)}, X);
+    for (const FootLimb& foot : contacts.feet) EXPECT_LE(norm(X[at(foot.link)].p - X[at(foot.chain.front())].p), foot.length * 1.0001) << f;
+  }
+}
+
+TEST(FootLock, WhatIsLockedStays) {
+  const Figure figure = human_walk();
+  const FootContacts contacts = find_contacts(figure.m(), figure.motion);
+  const Motion once = lock_feet(figure.m(), figure.motion, contacts).value();
+  const Motion twice = lock_feet(figure.m(), once, contacts).value();
+  EXPECT_LT(greatest_difference(figure.m(), once, twice), 0.02);
+}
+
+TEST(FootLock, RefusesWhatHasNoFeet) {
+  const MechanismPtr ball = samples::make_ball();
+  Motion still;
+  still.rate = 10;
+  still.frames = 3;
+  still.nq = ball->nq();
+  for (int f = 0; f < 3; ++f) {
+    const std::vector<double> q = ball->neutral();
+    still.q.insert(still.q.end(), q.begin(), q.end());
+  }
+  const auto locked = lock_feet(*ball, still, find_contacts(*ball, still));
+  ASSERT_FALSE(locked);
+  EXPECT_NE(locked.error().text().find("no feet"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ugoki::motion_edit
