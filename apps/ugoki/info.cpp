@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "fmu.h"
 #include "mechanism_info.h"
 #include "output.h"
 #include "sources.h"
@@ -127,6 +128,7 @@ Result<Json> info_of_executable(const std::string& path) {
 }
 
 Result<Json> info_of(const Options& options) {
+  if (options.target.ends_with(".fmu")) return fmu_info(options.target);
   const Result<TargetKind> kind = kind_of(options.target);
   if (!kind) return fail(kind.error());
   switch (*kind) {
@@ -151,10 +153,10 @@ Result<Json> info_of(const Options& options) {
       const Result<store::Library> library = store::Library::open_read_only(options.target);
       if (!library) return fail(library.error());
       Json json = {{"kind", "library"}, {"file", options.target}};
-      for (const char* of : {"mechanism", "motion", "measured"}) {
-        const Result<std::vector<store::LibraryEntry>> entries = library->find({"", {of}, {}, 1'000'000});
-        if (!entries) return fail(entries.error());
-        json[of] = entries->size();
+      for (const store::EntryKind of : store::entry_kinds) {
+        const Result<std::size_t> count = library->count(of);
+        if (!count) return fail(count.error());
+        json[std::string(store::name_of(of))] = *count;
       }
       return json;
     }
@@ -231,7 +233,7 @@ void add_info_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("info", "What a file or an entry of the library holds: counts, tree, masses, freedoms.");
   verb->add_option("target", options->target,
-                   "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.ugoki, *.ugx, a library, or an entry's name or id")
+                   "BVH, AMC, mechanism JSON, URDF, SDF, MJCF, *.fmu, *.ugoki, *.ugx, a library, or an entry's name or id")
       ->required();
   verb->add_option("--asf", options->source.asf, "Skeleton of an AMC file (otherwise NN.asf beside NN_MM.amc)");
   add_robot_options(*verb, options->source.robot);

@@ -24,8 +24,7 @@ Result<ClipSource> clip_of(intake::Intake taken) {
 
 Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions& options) {
   const std::string path = library_path(options.library);
-  std::error_code ignored;
-  if (!fs::exists(path, ignored))
+  if (!store::Library::exists(path))
     return fail(ErrorCode::unknown, target, "There is no such file, and no library (" + path + ") in which it could be an entry.",
                 "Check the name, or import something first.");
   const Result<store::Library> library = store::Library::open_read_only(path);
@@ -59,7 +58,7 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
   const std::string mechanism_id = summary.is_object() && summary.contains("mechanism") && summary["mechanism"].is_string()
                                        ? summary["mechanism"].get<std::string>()
                                        : "";
-  Result<std::vector<std::byte>> mechanism_data = library->data(mechanism_id);
+  Result<std::vector<std::byte>> mechanism_data = library->content(mechanism_id);
   if (!mechanism_data)
     return fail(ErrorCode::unknown, place, "The library lacks the mechanism '" + mechanism_id + "' that moves in '" + entry->name + "'.",
                 "Import the measured file again.");

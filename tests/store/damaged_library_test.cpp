@@ -9,6 +9,7 @@
 #include <random>
 
 #include "ugoki/store/library.h"
+#include "ugoki/store/sqlite.h"
 
 namespace ugoki::store {
 namespace {
@@ -102,10 +103,10 @@ TEST_F(DamagedLibraryTest, NeverCrashesOnFlippedBytes) {
       EXPECT_FALSE(library.error().problems.front().remedy.empty());
       continue;
     }
-    const auto entries = library->find();
-    bool good = entries.has_value();
-    if (entries)
-      for (const LibraryEntry& e : *entries) good = library->data(e.id).has_value() && good;  // wrong data are never handed out
+    const auto page = library->find();
+    bool good = page.has_value();
+    if (page)
+      for (const LibraryEntry& e : page->entries) good = library->data(e.id).has_value() && good;  // wrong data are never handed out
     ++(good ? fine : damaged);
   }
   EXPECT_EQ(refused + damaged + fine, 60);
@@ -138,7 +139,7 @@ TEST_F(DamagedLibraryTest, FullDiskIsAnErrorAndNothingIsHalfWritten) {
   ASSERT_TRUE(pages && database->run("PRAGMA max_page_count = " + std::to_string(*pages)));  // as full as a full disk
   auto transaction = Transaction::begin(*database);
   ASSERT_TRUE(transaction);
-  const auto full = database->run("INSERT INTO data (entry, bytes) SELECT id || 'x', zeroblob(1000000) FROM entry");
+  const auto full = database->run("INSERT INTO blob (hash, size, bytes) SELECT id, 1, zeroblob(1000000) FROM entry");
   ASSERT_FALSE(full);
   EXPECT_EQ(full.error().problems.front().code, ErrorCode::io);
   EXPECT_NE(full.error().text().find("full"), std::string::npos);

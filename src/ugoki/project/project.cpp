@@ -121,7 +121,7 @@ struct Project::Body {
   Result<Loaded> fetch(std::string_view id, const store::Library& library) const {
     Result<store::LibraryEntry> entry = library.get(id);
     if (!entry) return fail(std::move(entry.error()));
-    Result<std::vector<std::byte>> data = library.data(id);
+    Result<std::vector<std::byte>> data = library.content(id);
     if (!data) return fail(std::move(data.error()));
     return load(id, store::name_of(entry->kind), std::move(*data), "library entry " + std::string(id));
   }

@@ -1,70 +1,226 @@
 #include "ugoki/store/library_schema.h"
 
-#include <array>
+#include <string>
+
+#include "ugoki/base/sha256.h"
+#include "ugoki/store/library.h"
+#include "ugoki/store/library_rows.h"
+#include "ugoki/store/words.h"
 
 namespace ugoki::store {
 namespace {
 
-/// Entry i brings version i up to version i + 1.
-constexpr std::array<const char*, library_version> migrations = {R"(
+/// One schema for both databases; what they spell differently stands in braces. docs/design/databases.md explains it.
+constexpr const char* tables = R"(
+CREATE TABLE blob (
+  hash  {text} PRIMARY KEY NOT NULL,   -- SHA-256 of the bytes
+  size  {integer} NOT NULL,
+  bytes {bytes} NOT NULL
+){strict};
 CREATE TABLE entry (
-  id      TEXT PRIMARY KEY NOT NULL,
-  kind    TEXT NOT NULL CHECK (kind IN ('mechanism', 'motion', 'measured')),
-  name    TEXT NOT NULL CHECK (length(name) > 0),
-  summary TEXT NOT NULL DEFAULT '{}',
-  created TEXT NOT NULL,
-  size    INTEGER NOT NULL
-) STRICT;
-CREATE INDEX entry_by_name ON entry (kind, name);
+  no          {serial},
+  id          {text} NOT NULL UNIQUE,
+  kind        {text} NOT NULL,
+  name        {text} NOT NULL CHECK (length(name) > 0),
+  name_key    {text} NOT NULL,         -- its words, folded: the order of lists
+  summary     {text} NOT NULL,         -- JSON object
+  note        {text} NOT NULL,
+  words       {text} NOT NULL,         -- everything that is searched for
+  duration_ms {integer} NOT NULL,      -- 0: takes no time
+  version     {integer} NOT NULL,      -- the newest; what stands here is equal to its row in `version`
+  content     {text} NOT NULL,
+  data        {text} NOT NULL REFERENCES blob (hash),
+  size        {integer} NOT NULL,
+  author      {text} NOT NULL,         -- of the newest version
+  thumbnail   {text} REFERENCES blob (hash),
+  created     {text} NOT NULL,
+  changed     {text} NOT NULL,
+  removed     {text},                  -- when it went into the trash
+  removed_by  {text}
+){strict};
+CREATE INDEX entry_by_name ON entry (kind, name_key, id) WHERE removed IS NULL;
+CREATE INDEX entry_by_change ON entry (kind, changed, id) WHERE removed IS NULL;
+CREATE INDEX entry_by_duration ON entry (kind, duration_ms, id) WHERE removed IS NULL;
+CREATE INDEX entry_removed ON entry (removed) WHERE removed IS NOT NULL;
+CREATE INDEX entry_by_data ON entry (data);
+CREATE INDEX entry_by_thumbnail ON entry (thumbnail) WHERE thumbnail IS NOT NULL;
+CREATE TABLE version (
+  entry   {integer} NOT NULL REFERENCES entry (no) ON DELETE CASCADE,
+  version {integer} NOT NULL,
+  name    {text} NOT NULL,
+  summary {text} NOT NULL,
+  note    {text} NOT NULL,
+  content {text} NOT NULL,             -- id of the data: the kind's letter and their hash
+  data    {text} NOT NULL REFERENCES blob (hash),
+  size    {integer} NOT NULL,
+  author  {text} NOT NULL,
+  saved   {text} NOT NULL,
+  PRIMARY KEY (entry, version)
+){strict};
+CREATE INDEX version_by_content ON version (content);
+CREATE INDEX version_by_data ON version (data);
 CREATE TABLE tag (
-  entry TEXT NOT NULL REFERENCES entry (id) ON DELETE CASCADE,
-  tag   TEXT NOT NULL CHECK (length(tag) > 0),
+  entry {integer} NOT NULL REFERENCES entry (no) ON DELETE CASCADE,
+  tag   {text} NOT NULL CHECK (length(tag) > 0),
   PRIMARY KEY (entry, tag)
-) STRICT, WITHOUT ROWID;
-CREATE TABLE data (
-  entry TEXT PRIMARY KEY NOT NULL REFERENCES entry (id) ON DELETE CASCADE,
-  bytes BLOB NOT NULL
-) STRICT;
-)"};
+){strict};
+CREATE INDEX tag_by_name ON tag (tag, entry);
+)";
+constexpr const char* sqlite_text =
+    "CREATE VIRTUAL TABLE entry_text USING fts5 (name, other, marks, tokenize = 'ascii', prefix = '1 2 3');";
+constexpr const char* postgres_text = R"(
+CREATE TABLE entry_text (entry bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE, terms tsvector NOT NULL);
+CREATE INDEX entry_text_terms ON entry_text USING gin (terms);
+CREATE TABLE library (version bigint NOT NULL);
+INSERT INTO library VALUES (2);
+)";
+
+std::string spelled(std::string text, bool postgres) {
+  const std::pair<std::string_view, std::string_view> words[] = {
+      {"{text}", postgres ? "text COLLATE \"C\"" : "TEXT"},  // in the order of the bytes, as SQLite has it
+      {"{integer}", postgres ? "bigint" : "INTEGER"},
+      {"{bytes}", postgres ? "bytea" : "BLOB"},
+      {"{serial}", postgres ? "bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY" : "INTEGER PRIMARY KEY"},
+      {"{strict}", postgres ? "" : " STRICT"},
+  };
+  for (const auto& [word, spelling] : words)
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + spelling.size()))
+      text.replace(at, word.size(), spelling);
+  return text;
+}
+
+std::unexpected<Error> newer(const std::string& place, std::int64_t version) {
+  return fail(ErrorCode::unsupported, place,
+              "The library was made by a newer Ugoki (version " + std::to_string(version) + "; this program knows " +
+                  std::to_string(library_version) + ").",
+              "Use a newer Ugoki, or choose another library with --library.");
+}
+
+/// Number that a pragma tells.
+Result<std::int64_t> pragma(Connection& connection, const char* name) {
+  const Result<Rows> rows = connection.query(std::string("PRAGMA ") + name);
+  if (!rows) return fail(rows.error());
+  return rows->empty() ? 0 : rows->integer(0, 0);
+}
+
+/// Version 1 knew no versions, no trash and no blobs: its tables go aside, and each entry becomes the first version of one here.
+Result<void> take_over_version_1(Connection& connection) {
+  if (Result<void> done =
+          connection.script("ALTER TABLE entry RENAME TO old_entry; ALTER TABLE tag RENAME TO old_tag;"
+                            "ALTER TABLE data RENAME TO old_data; DROP INDEX entry_by_name; DROP TABLE IF EXISTS entry_text");
+      !done)
+    return done;
+  if (Result<void> done = connection.script(spelled(tables, false) + sqlite_text); !done) return done;
+  std::string id;
+  for (;;) {
+    const Result<Rows> rows =
+        connection.query("SELECT id, kind, name, summary, created FROM old_entry WHERE id > ?1 ORDER BY id LIMIT 100", {id});
+    if (!rows) return fail(rows.error());
+    if (rows->empty()) break;
+    for (std::size_t r = 0; r < rows->size(); ++r) {
+      id = rows->text(r, 0);
+      const Value name(id);
+      Result<std::optional<std::vector<std::byte>>> data = connection.bytes("SELECT bytes FROM old_data WHERE entry = ?1", {&name, 1});
+      const Result<Rows> tags = connection.query("SELECT tag FROM old_tag WHERE entry = ?1 ORDER BY tag", {id});
+      if (!data) return fail(std::move(data.error()));
+      if (!tags) return fail(tags.error());
+      EntryRow entry;
+      entry.id = id;
+      entry.kind = rows->text(r, 1);
+      entry.created = entry.changed = rows->text(r, 4);
+      for (std::size_t t = 0; t < tags->size(); ++t) entry.tags.push_back(clean_text(tags->text(t, 0)));
+      const std::vector<std::byte> bytes = *data ? std::move(**data) : std::vector<std::byte>();
+      entry.newest.name = clean_text(rows->text(r, 2));
+      if (entry.newest.name.empty()) entry.newest.name = id;
+      entry.newest.summary = rows->text(r, 3);
+      entry.newest.content = id;
+      // Data that were damaged before get a name that does not fit them, so that they are never handed out.
+      const Result<EntryKind> kind = entry_kind_named(entry.kind);
+      entry.newest.data = kind && entry_id(*kind, bytes) == id ? sha256(bytes) : sha256("damaged " + id);
+      entry.newest.size = static_cast<std::int64_t>(bytes.size());
+      entry.newest.saved = entry.created;
+      if (Result<void> done = put_blob(connection, entry.newest.data, bytes); !done) return done;
+      const Result<std::int64_t> no = insert_entry(connection, entry);
+      if (!no) return fail(no.error());
+      if (Result<void> done = insert_version(connection, *no, entry.newest); !done) return done;
+    }
+  }
+  return connection.script("DROP TABLE old_data; DROP TABLE old_tag; DROP TABLE old_entry");
+}
 
 }  // namespace
 
 Result<void> check_library(Database& database) {
-  const Result<std::int64_t> tables = database.integer("SELECT count(*) FROM sqlite_schema");
-  if (!tables) return fail(tables.error());
+  const Result<std::int64_t> count = database.integer("SELECT count(*) FROM sqlite_schema");
+  if (!count) return fail(count.error());
   const Result<std::int64_t> application = database.integer("PRAGMA application_id");
   if (!application) return fail(application.error());
   const Result<std::int64_t> version = database.integer("PRAGMA user_version");
   if (!version) return fail(version.error());
-  if (*tables == 0 && *application == 0 && *version == 0) return {};
+  if (*count == 0 && *application == 0 && *version == 0) return {};
   if (*application != library_application_id)
     return fail(ErrorCode::syntax, database.path(), "This database is not a library of Ugoki.",
                 "Choose another file with --library or $UGOKI_LIBRARY.");
-  if (*version > library_version)
-    return fail(ErrorCode::unsupported, database.path(),
-                "The library was made by a newer Ugoki (version " + std::to_string(*version) + "; this program knows " +
-                    std::to_string(library_version) + ").",
-                "Use a newer Ugoki, or choose another file with --library.");
+  if (*version > library_version) return newer(database.path(), *version);
   if (*version < 1)
     return fail(ErrorCode::syntax, database.path(), "The library has an impossible version.",
                 "Restore it from a copy; it was left as it is.");
-  return database.check_structure();
+  return {};
 }
 
-Result<void> migrate_library(Database& database) {
-  Result<std::int64_t> version = database.integer("PRAGMA user_version");
+Result<void> migrate_library(Connection& connection) {
+  Result<std::int64_t> version = pragma(connection, "user_version");
   if (!version) return fail(std::move(version.error()));
   if (*version == library_version) return {};
-  Result<Transaction> transaction = Transaction::begin(database);
-  if (!transaction) return fail(std::move(transaction.error()));
-  version = database.integer("PRAGMA user_version");  // another program may have been faster
-  if (!version) return fail(std::move(version.error()));
-  for (std::int64_t v = *version; v < library_version; ++v)
-    if (Result<void> done = database.run(migrations[static_cast<std::size_t>(v)]); !done) return done;
-  Result<void> marked = database.run("PRAGMA application_id = " + std::to_string(library_application_id) +
-                                     "; PRAGMA user_version = " + std::to_string(library_version));
-  if (!marked) return marked;
-  return transaction->commit();
+  if (Result<void> begun = connection.begin(Connection::Access::write); !begun) return begun;
+  const auto work = [&]() -> Result<void> {
+    version = pragma(connection, "user_version");  // another program may have been faster
+    if (!version) return fail(std::move(version.error()));
+    if (*version == library_version) return {};
+    if (*version > library_version) return newer(connection.place(), *version);
+    Result<void> done = *version == 1 ? take_over_version_1(connection) : connection.script(spelled(tables, false) + sqlite_text);
+    if (!done) return done;
+    return connection.script("PRAGMA application_id = " + std::to_string(library_application_id) +
+                             "; PRAGMA user_version = " + std::to_string(library_version));
+  };
+  if (Result<void> done = work(); !done) {
+    connection.rollback();
+    return done;
+  }
+  return connection.commit();
+}
+
+Result<void> prepare_postgres(Connection& connection, bool read_only) {
+  const auto version = [&]() -> Result<std::int64_t> {
+    const Result<Rows> there = connection.query("SELECT count(*) FROM pg_tables WHERE schemaname = 'ugoki' AND tablename = 'library'");
+    if (!there) return fail(there.error());
+    if (there->integer(0, 0) == 0) return 0;
+    const Result<Rows> rows = connection.query("SELECT version FROM library");
+    if (!rows) return fail(rows.error());
+    return rows->empty() ? 0 : rows->integer(0, 0);
+  };
+  Result<std::int64_t> known = version();
+  if (!known) return fail(std::move(known.error()));
+  if (*known > library_version) return newer(connection.place(), *known);
+  if (*known == library_version) return {};
+  if (read_only)
+    return fail(ErrorCode::unknown, connection.place(), "This database holds no library of Ugoki yet.",
+                "Put something in with `ugoki import`, or copy a library there with `ugoki db copy`.");
+  if (Result<void> begun = connection.begin(Connection::Access::write); !begun) return begun;
+  const auto work = [&]() -> Result<void> {
+    // Whoever else opens the empty database now waits here, and then finds the tables.
+    if (const Result<Rows> lock = connection.query("SELECT pg_advisory_xact_lock(1431786316)::text"); !lock) return fail(lock.error());
+    known = version();
+    if (!known) return fail(std::move(known.error()));
+    if (*known == library_version) return {};
+    if (Result<void> made = connection.script("CREATE SCHEMA IF NOT EXISTS ugoki"); !made) return made;
+    return connection.script(spelled(tables, true) + postgres_text);
+  };
+  if (Result<void> done = work(); !done) {
+    connection.rollback();
+    return done;
+  }
+  return connection.commit();
 }
 
 }  // namespace ugoki::store

@@ -155,6 +155,11 @@ Statement& Statement::bind_blob(int index, std::span<const std::byte> value) {
   return *this;
 }
 
+Statement& Statement::bind_null(int index) {
+  UGOKI_CHECK(sqlite3_bind_null(handle_, index) == SQLITE_OK);
+  return *this;
+}
+
 Result<bool> Statement::step() {
   const int code = sqlite3_step(handle_);
   if (code == SQLITE_ROW) return true;
@@ -189,6 +194,7 @@ std::vector<std::byte> Statement::blob(int column) const {
   return p ? std::vector<std::byte>(p, p + n) : std::vector<std::byte>();
 }
 bool Statement::is_null(int column) const { return sqlite3_column_type(handle_, column) == SQLITE_NULL; }
+int Statement::columns() const { return sqlite3_column_count(handle_); }
 
 Result<Transaction> Transaction::begin(Database& database) {
   Result<void> begun = database.run("BEGIN IMMEDIATE");

@@ -65,6 +65,7 @@ class Statement {
   Statement& bind(int index, std::int64_t value);
   Statement& bind(int index, std::string_view value);
   Statement& bind_blob(int index, std::span<const std::byte> value);
+  Statement& bind_null(int index);
   /// True: there is a row; false: finished.
   [[nodiscard]] Result<bool> step();
   /// Runs to the end, and can then be bound and run again.
@@ -75,6 +76,7 @@ class Statement {
   [[nodiscard]] std::string text(int column) const;
   [[nodiscard]] std::vector<std::byte> blob(int column) const;
   [[nodiscard]] bool is_null(int column) const;
+  [[nodiscard]] int columns() const;
 
  private:
   friend class Database;

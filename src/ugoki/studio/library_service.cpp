@@ -12,7 +12,10 @@
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/intake/intake.h"
+#include "ugoki/json/fields.h"
 #include "ugoki/studio/display_json.h"
+#include "ugoki/studio/error_json.h"
+#include "ugoki/studio/security.h"
 
 namespace ugoki::studio {
 namespace {
@@ -76,23 +79,72 @@ Json project_entry_json(const ProjectEntry& entry) {
 
 Result<store::Library*> LibraryService::library() {
   if (!library_) {
-    Result<store::Library> opened = store::Library::open(path_);
+    Result<store::Library> opened = store::Library::open(place_);
     if (!opened) return fail(std::move(opened.error()));
     library_.emplace(std::move(*opened));
   }
   return &*library_;
 }
 
-Result<std::string> LibraryService::list(std::string_view kind, std::string_view words, const std::vector<ProjectEntry>& project) {
+bool LibraryService::answers(std::string_view path) {
+  return path == "/api/library" || path == "/api/library/tags" || path.starts_with("/api/entry/") || path.starts_with("/api/thumbnail/");
+}
+
+ApiReply LibraryService::answer(const ApiRequest& request, const std::vector<ProjectEntry>& project, bool& changed) {
+  const auto reply = [](const Result<std::string>& result) {
+    return result ? ApiReply{200, *result} : ApiReply{http_status_of(result.error()), error_body(result.error())};
+  };
+  const std::string_view path = request.path;
+  const bool get = request.method == "GET", post = request.method == "POST";
+  if (path == "/api/library" && get) return reply(list(request.query, project));
+  if (path == "/api/library/tags" && get) return reply(tags(request.query));
+  constexpr std::string_view thumbnails = "/api/thumbnail/", entries = "/api/entry/";
+  if (path.starts_with(thumbnails)) return thumbnail(request, path.substr(thumbnails.size()));
+  if (path.starts_with(entries)) {
+    const std::string_view rest = path.substr(entries.size()), id = rest.substr(0, rest.find('/'));
+    const std::string_view action = id.size() < rest.size() ? rest.substr(id.size() + 1) : "";
+    if (get && action.empty()) return reply(entry(id));
+    const bool known = action.empty() || action == "restore" || action == "duplicate" || action == "remove" || action == "undelete";
+    if (post && known) {
+      const Result<store::LibraryEntry> now = change(id, action, request.body);
+      changed = now.has_value();
+      if (now) return {200, "{\"entry\":" + entry_json(*now, false) + "}"};
+      ApiReply refused = reply(fail(now.error()));
+      if (now.error().problems.front().code != ErrorCode::conflict || !library_) return refused;
+      if (const Result<store::LibraryEntry> theirs = library_->get(id); theirs) {
+        refused.body.pop_back();
+        refused.body += ",\"entry\":" + entry_json(*theirs, false) + "}";
+      }
+      return refused;
+    }
+  }
+  return reply(fail(ErrorCode::unknown, std::string(path), "The studio has no such address for " + request.method + ".",
+                    "See docs/studio-protocol.md."));
+}
+
+Result<std::string> LibraryService::list(std::string_view query, const std::vector<ProjectEntry>& project) {
   Result<store::Library*> open = library();
   if (!open) return fail(std::move(open.error()));
-  if (!kind.empty() && kind != "mechanism" && kind != "motion") {
-    return fail(ErrorCode::range, "kind", "The kind must be \"mechanism\" or \"motion\".", "Leave it out for both.");
-  }
-  store::LibraryQuery query;
-  query.text = std::string(words);
-  query.kinds = kind.empty() ? std::vector<std::string>{"mechanism", "motion"} : std::vector<std::string>{std::string(kind)};
-  Result<std::vector<store::LibraryEntry>> found = (*open)->find(query);
+  store::LibraryQuery wanted;
+  wanted.text = query_value(query, "q").value_or("");
+  wanted.kinds = query_values(query, "kind");
+  std::erase(wanted.kinds, "");
+  for (const std::string& kind : wanted.kinds)
+    if (!store::entry_kind_named(kind))
+      return fail(ErrorCode::range, "kind", "There is no kind of entry '" + kind + "'.", "Leave it out for mechanisms and motions.");
+  if (wanted.kinds.empty()) wanted.kinds = {"mechanism", "motion"};
+  wanted.tags = query_values(query, "tag");
+  std::erase(wanted.tags, "");
+  wanted.after = query_value(query, "after").value_or("");
+  wanted.removed = query_value(query, "removed").value_or("") == "1";
+  constexpr std::size_t usual = 100, most = 500;
+  const double limit = parse_double(query_value(query, "limit").value_or("")).value_or(usual);
+  wanted.limit = static_cast<std::size_t>(std::clamp(limit, 1.0, static_cast<double>(most)));
+  const std::string order = query_value(query, "order").value_or("");
+  const Result<store::LibraryOrder> known = store::library_order_named(!order.empty() ? order : wanted.text.empty() ? "name" : "relevance");
+  if (!known) return fail(known.error());
+  wanted.order = *known;
+  Result<store::LibraryPage> found = (*open)->find(wanted);
   if (!found) return fail(std::move(found.error()));
 
   // Drawings of motions that were never listed cost a read of their data: some in each answer, so that none is late.
@@ -100,21 +152,137 @@ Result<std::string> LibraryService::list(std::string_view kind, std::string_view
   int budget = new_curves;
   std::set<std::string, std::less<>> ids;
   std::string entries;
-  for (const store::LibraryEntry& entry : *found) {
+  for (const store::LibraryEntry& entry : found->entries) {
     ids.insert(entry.id);
-    const bool drawn = curves_.contains(entry.id);
+    ids.insert(entry.content);
+    const bool drawn = curves_.contains(entry.content);
     const bool draw = entry.kind == store::EntryKind::motion && (drawn || budget > 0);
     if (draw && !drawn) --budget;
     entries += (entries.empty() ? "" : ",") + entry_json(entry, draw);
   }
+  const bool with_project = wanted.after.empty() && wanted.tags.empty() && !wanted.removed;
   for (const ProjectEntry& entry : project) {
-    if (ids.contains(entry.id)) continue;
+    if (!with_project || ids.contains(entry.id) || (*open)->get(entry.id)) continue;
     const Json j = project_entry_json(entry);
-    if (!kind.empty() && j["kind"] != kind) continue;
-    if (!has_words(j["name"].get<std::string>() + " project " + j["summary"].get<std::string>(), words)) continue;
+    if (std::ranges::find(wanted.kinds, j["kind"].get<std::string>()) == wanted.kinds.end()) continue;
+    if (!has_words(j["name"].get<std::string>() + " project " + j["summary"].get<std::string>(), wanted.text)) continue;
     entries += (entries.empty() ? "" : ",") + text_of(j);
+    ++found->total;
   }
-  return "{\"entries\":[" + entries + "]}";
+  Json rest = {{"next", nullptr}, {"total", found->total}, {"total_exact", found->total_exact}};
+  if (!found->next.empty()) rest["next"] = found->next;
+  return "{\"entries\":[" + entries + "]," + text_of(rest).substr(1);
+}
+
+Result<std::string> LibraryService::tags(std::string_view query) {
+  Result<store::Library*> open = library();
+  if (!open) return fail(std::move(open.error()));
+  std::vector<std::string> kinds = query_values(query, "kind");
+  std::erase(kinds, "");
+  if (kinds.empty()) kinds = {"mechanism", "motion"};
+  const auto found = (*open)->tags(kinds);
+  if (!found) return fail(found.error());
+  Json rows = Json::array();
+  for (const auto& [name, count] : *found) rows.push_back({{"name", name}, {"count", count}});
+  return text_of({{"tags", std::move(rows)}});
+}
+
+Result<std::string> LibraryService::entry(std::string_view id) {
+  Result<store::Library*> open = library();
+  if (!open) return fail(std::move(open.error()));
+  Result<store::LibraryEntry> found = (*open)->get(id);
+  if (!found) {
+    const Result<store::LibraryEntry> removed = (*open)->get_removed(id);
+    if (!removed) return fail(std::move(found.error()));
+    found = *removed;
+  }
+  const Result<std::vector<store::LibraryVersion>> versions = (*open)->history(found->id);
+  if (!versions) return fail(versions.error());
+  Json rows = Json::array();
+  for (const store::LibraryVersion& v : *versions)
+    rows.push_back({{"version", v.version},
+                    {"content", v.content},
+                    {"name", v.name},
+                    {"note", v.note},
+                    {"by", v.author},
+                    {"when", v.saved},
+                    {"size", v.size}});
+  std::string json = entry_json(*found, true);
+  json.pop_back();
+  return json + ",\"versions\":" + text_of(rows) + "}";
+}
+
+Result<store::LibraryEntry> LibraryService::change(std::string_view id, std::string_view action, std::string_view body) {
+  Result<store::Library*> open = library();
+  if (!open) return fail(std::move(open.error()));
+  store::Library& l = **open;
+  if (action.empty()) return edit(id, body);
+  if (action == "remove") {
+    if (Result<void> done = l.remove(id); !done) return fail(std::move(done.error()));
+    return l.get_removed(id);
+  }
+  if (action == "undelete") {
+    if (Result<void> done = l.undelete(id); !done) return fail(std::move(done.error()));
+    return l.get(id);
+  }
+  const Result<json::Json> parsed = json::parse_json(body, "body");
+  if (!parsed) return fail(parsed.error());
+  Error problems;
+  json::Fields fields(*parsed, "body:", problems);
+  int base = 0, version = 0;
+  std::string name;
+  if (action == "restore") {
+    fields.integer("base", base);
+    fields.integer("version", version);
+    fields.require("base", "the version that you see");
+    fields.require("version", "the version that shall come back");
+  } else {
+    fields.text("name", name);
+    fields.require("name", "the name of the new entry");
+  }
+  if (!problems.empty()) return fail(std::move(problems));
+  return action == "restore" ? l.restore(id, base, version) : l.duplicate(id, name);
+}
+
+Result<store::LibraryEntry> LibraryService::edit(std::string_view id, std::string_view body) {
+  const Result<json::Json> parsed = json::parse_json(body, "body");
+  if (!parsed) return fail(parsed.error());
+  Error problems;
+  json::Fields fields(*parsed, "body:", problems);
+  store::LibrarySave save{.id = std::string(id)};
+  fields.integer("base", save.base);
+  fields.require("base", "the version that was changed");
+  for (auto& [key, value] : {std::pair{"name", &save.name}, {"note", &save.note}})
+    if (fields.has(key)) fields.text(key, value->emplace());
+  std::vector<std::string> add, remove;
+  for (auto& [key, tags] : {std::pair{"add_tags", &add}, {"remove_tags", &remove}})
+    if (const json::Json* list = fields.list(key, 1000, "tags"))
+      for (const json::Json& tag : *list) {
+        if (!tag.is_string()) return fail(ErrorCode::syntax, std::string("body: ") + key, "A tag is a text.", "Give texts.");
+        tags->push_back(tag.get<std::string>());
+      }
+  fields.refuse_others();
+  if (!problems.empty()) return fail(std::move(problems));
+  Result<store::LibraryEntry> saved = library_->save(save);
+  if (!saved || (add.empty() && remove.empty())) return saved;
+  if (Result<void> done = library_->set_tags(id, add, remove); !done) return fail(std::move(done.error()));
+  return library_->get(id);
+}
+
+ApiReply LibraryService::thumbnail(const ApiRequest& request, std::string_view id) {
+  const auto refused = [](const Error& error) { return ApiReply{http_status_of(error), error_body(error)}; };
+  Result<store::Library*> open = library();
+  if (!open) return refused(open.error());
+  if (request.method == "POST") {
+    const Result<void> set = (*open)->set_thumbnail(id, std::as_bytes(std::span(request.body)));
+    return set ? ApiReply{200, "{}"} : refused(set.error());
+  }
+  const Result<std::vector<std::byte>> picture = (*open)->thumbnail(id);
+  if (!picture) return refused(picture.error());
+  if (picture->empty()) return refused({ErrorCode::unknown, std::string(id), "The entry has no thumbnail.", "Send one."});
+  std::string bytes(reinterpret_cast<const char*>(picture->data()), picture->size());
+  const char* type = bytes.starts_with("RIFF") ? "image/webp" : "image/png";
+  return {200, std::move(bytes), type};
 }
 
 std::string LibraryService::entry_json(const store::LibraryEntry& entry, bool with_curve) {
@@ -122,23 +290,37 @@ std::string LibraryService::entry_json(const store::LibraryEntry& entry, bool wi
   if (!j.is_object()) j = Json::object();
   const auto number = [&](const char* key) { return j.contains(key) && j[key].is_number() ? j[key].get<double>() : 0.0; };
   const bool cyclic = j.contains("cyclic") && j["cyclic"].is_boolean() && j["cyclic"].get<bool>();
-  j["summary"] = entry.kind == store::EntryKind::motion ? motion_words(number("duration"), number("rate"), cyclic)
-                                                        : mechanism_words(static_cast<int>(number("freedoms")), number("mass"));
-  j["id"] = entry.id;
-  j["kind"] = store::name_of(entry.kind);
-  j["name"] = entry.name;
-  j["tags"] = entry.tags;
-  j["created"] = entry.created;
-  if (with_curve) {
-    auto known = curves_.find(entry.id);
+  std::string summary;
+  if (entry.kind == store::EntryKind::motion || entry.kind == store::EntryKind::measured)
+    summary = motion_words(number("duration"), number("rate"), cyclic);
+  else if (entry.kind == store::EntryKind::mechanism)
+    summary = mechanism_words(static_cast<int>(number("freedoms")), number("mass"));
+  j.update({{"summary", summary},
+            {"id", entry.id},
+            {"kind", store::name_of(entry.kind)},
+            {"name", entry.name},
+            {"note", entry.note},
+            {"tags", entry.tags},
+            {"version", entry.version},
+            {"content", entry.content},
+            {"created", entry.created},
+            {"changed", entry.changed},
+            {"by", entry.author},
+            {"size", entry.size},
+            {"thumbnail", entry.thumbnail},
+            {"removed", entry.removed}});
+  if (with_curve && entry.kind == store::EntryKind::motion) {
+    auto known = curves_.find(entry.content);
     if (known == curves_.end()) {
       std::string curve = "[]";
-      const Result<std::vector<std::byte>> data = library_->data(entry.id);
+      const Result<std::vector<std::byte>> data = library_->content(entry.content);
       const Result<Motion> motion = data ? formats::read_motion(*data, entry.name) : fail(Error());
       const std::string mechanism_id = j.contains("mechanism") && j["mechanism"].is_string() ? j["mechanism"].get<std::string>() : "";
       const Result<MechanismPtr> body = mechanism(mechanism_id);
-      if (motion && body) curve = text_of(thumbnail_curve(*motion, **body));
-      known = curves_.emplace(entry.id, std::move(curve)).first;
+      if (motion && body && check_motion(*motion, **body).empty()) curve = text_of(thumbnail_curve(*motion, **body));
+      constexpr std::size_t most_curves = 20'000;
+      if (curves_.size() >= most_curves) curves_.clear();
+      known = curves_.emplace(entry.content, std::move(curve)).first;
     }
     j["curve"] = Json::parse(known->second);
   }
@@ -148,7 +330,7 @@ std::string LibraryService::entry_json(const store::LibraryEntry& entry, bool wi
 Result<MechanismPtr> LibraryService::mechanism(std::string_view id) {
   Result<store::Library*> open = library();
   if (!open) return fail(std::move(open.error()));
-  Result<std::vector<std::byte>> data = (*open)->data(id);
+  Result<std::vector<std::byte>> data = (*open)->content(id);
   if (!data) return fail(std::move(data.error()));
   return formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, id);
 }

@@ -36,7 +36,8 @@ Result<std::string> PreviewService::motion(std::string_view id, const std::vecto
   if (!summary.is_object() || !summary.contains("mechanism") || !summary["mechanism"].is_string())
     return fail(ErrorCode::structure, std::string(id), "The entry does not tell which mechanism it moves.", "Import it again.");
   const std::string mechanism_id = summary["mechanism"].get<std::string>();
-  const Result<std::vector<std::byte>> data = library_->data(id), body = library_->data(mechanism_id);
+  const std::string content = entry->id == id ? entry->content : std::string(id);
+  const Result<std::vector<std::byte>> data = library_->content(content), body = library_->content(mechanism_id);
   if (!data) return fail(data.error());
   if (!body) return fail(body.error());
   const Result<Motion> motion = formats::read_motion(*data, entry->name);

@@ -102,6 +102,19 @@ std::optional<std::string> query_value(std::string_view query, std::string_view 
   return found;
 }
 
+std::vector<std::string> query_values(std::string_view query, std::string_view name) {
+  std::vector<std::string> found;
+  for_each_part(query, '&', [&](std::string_view part) {
+    const std::size_t equals = part.find('=');
+    const std::optional<std::string> key = decoded(part.substr(0, equals), true);
+    if (!key || *key != name) return true;
+    std::optional<std::string> value = equals == std::string_view::npos ? std::string() : decoded(part.substr(equals + 1), true);
+    if (value) found.push_back(std::move(*value));
+    return true;
+  });
+  return found;
+}
+
 bool is_plain_path(std::string_view path) {
   if (path.empty() || path.front() != '/') return false;
   for (const char c : path) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ugoki::studio {
 
@@ -30,6 +31,8 @@ struct Target {
 
 /// The decoded value of `name` in a query string ('+' means a blank); nothing where it is absent or broken.
 [[nodiscard]] std::optional<std::string> query_value(std::string_view query, std::string_view name);
+/// All values of `name`, in their order; broken ones are left out.
+[[nodiscard]] std::vector<std::string> query_values(std::string_view query, std::string_view name);
 
 /// True where a path names something below the web folder: no "." or ".." segment, backslash, control character.
 [[nodiscard]] bool is_plain_path(std::string_view path);

@@ -86,7 +86,7 @@ class Studio::Impl final : public ServerEvents {
  public:
   Impl(const StudioOptions& options, project::Project project)
       : library_(options.library_path), imports_(options.library_path), previews_(options.library_path) {
-    const std::string choices = (std::filesystem::path(options.library_path).parent_path() / "choices.json").string();
+    const std::string choices = (std::filesystem::path(store::Library::folder_of(options.library_path)) / "choices.json").string();
     const SessionOptions session{options.library_path, choices, options.interpreter};
     session_ = std::make_unique<Session>(session, std::move(project), outbox_,
                                          [this](std::function<void()> task) { session_queue_->post(std::move(task)); });
@@ -129,6 +129,7 @@ class Studio::Impl final : public ServerEvents {
   [[nodiscard]] const Session& session() const { return *session_; }
 
  private:
+  void on_library(ApiRequest request, std::function<void(ApiReply)> answer);
   /// Addresses below /api/import/. False: none of them.
   bool on_import(ApiRequest& request, std::function<void(ApiReply)>& answer);
 
@@ -154,6 +155,20 @@ class Studio::Impl final : public ServerEvents {
   PreviewService previews_;
   std::unique_ptr<TaskQueue> session_queue_, library_queue_, import_queue_;
 };
+
+void Studio::Impl::on_library(ApiRequest request, std::function<void(ApiReply)> answer) {
+  session_queue_->post([this, asked = std::move(request), reply = std::move(answer)]() mutable {
+    library_queue_->post([this, entries = session_->project_entries(), call = std::move(asked), give = std::move(reply)] {
+      bool changed = false;
+      try {
+        give(library_.answer(call, entries, changed));
+      } catch (const std::exception& e) {  // out of memory
+        give(refused({ErrorCode::io, call.path, std::string("The studio failed at this: ") + e.what() + ".", "Try again."}));
+      }
+      if (changed) session_queue_->post([this] { session_->announce_library(); });
+    });
+  });
+}
 
 bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>& answer) {
   constexpr std::string_view prefix = "/api/import/";
@@ -191,12 +206,8 @@ bool Studio::Impl::on_import(ApiRequest& request, std::function<void(ApiReply)>&
 void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answer) {
   const std::string& path = request.path;
   const bool get = request.method == "GET", post = request.method == "POST";
-  if (path == "/api/library" && get) {
-    const std::string kind = query_value(request.query, "kind").value_or(""), words = query_value(request.query, "q").value_or("");
-    session_queue_->post([this, kind, words, reply = std::move(answer)]() mutable {
-      answer_on(*library_queue_, std::move(reply),
-                [this, kind, words, entries = session_->project_entries()] { return library_.list(kind, words, entries); });
-    });
+  if (LibraryService::answers(path)) {
+    on_library(std::move(request), std::move(answer));
   } else if (path.starts_with("/api/mechanism/") && get) {
     const std::string id = path.substr(std::string_view("/api/mechanism/").size());
     session_queue_->post([this, id, reply = std::move(answer)]() mutable {

@@ -1,0 +1,266 @@
+#include "ugoki/store/copy.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "ugoki/json/json.h"
+#include "ugoki/store/library_body.h"
+
+namespace ugoki::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Every text below a JSON value.
+void collect_texts(const json::Json& value, std::vector<std::string>& out) {
+  if (value.is_string())
+    out.push_back(value.get<std::string>());
+  else if (value.is_structured())
+    for (const json::Json& inner : value) collect_texts(inner, out);
+}
+
+/// "m-" and 16 hexadecimal digits, of any kind.
+bool looks_like_id(const std::string& text) {
+  return text.size() == 18 && text[1] == '-' && std::string_view("mndcs").contains(text[0]) &&
+         text.find_first_not_of("0123456789abcdef", 2) == std::string::npos;
+}
+
+class Copy {
+ public:
+  Copy(const Library& from, Library& to, const CopyOptions& options) : from_(body_of(from)), to_(body_of(to)), options_(options) {}
+
+  Result<CopyReport> run() {
+    const Result<Rows> count = from_.connection->query("SELECT count(*), coalesce(max(no), 0) FROM entry");
+    if (!count) return fail(count.error());
+    const std::size_t all = options_.entries.empty() ? static_cast<std::size_t>(count->integer(0, 0)) : options_.entries.size();
+    std::int64_t no = 0;
+    for (std::size_t done = 0; done < all || options_.entries.empty();) {
+      if (options_.stop && options_.stop()) return fail(ErrorCode::cancelled, to_.place(), "Stopped.", "Do it again to go on from here.");
+      Result<std::vector<EntryRow>> some = options_.entries.empty() ? next_entries(no) : named_entries(done);
+      if (!some) return fail(std::move(some.error()));
+      if (some->empty()) break;
+      const CopyReport before = report_;
+      const Result<bool> copied = to_.in_transaction([&]() -> Result<bool> {
+        report_ = before;  // where it is done a second time
+        for (const EntryRow& entry : *some)
+          if (Result<void> one = copy_entry(entry); !one) return fail(std::move(one.error()));
+        return true;
+      });
+      if (!copied) return fail(copied.error());
+      no = some->back().no;
+      done += some->size();
+      if (options_.progress && all > 0) options_.progress(static_cast<double>(done) / static_cast<double>(all));
+    }
+    if (Result<void> tidy = to_.connection->tidy(); !tidy) return fail(std::move(tidy.error()));
+    return report_;
+  }
+
+ private:
+  static constexpr std::size_t at_once = 200;
+
+  Result<std::vector<EntryRow>> next_entries(std::int64_t no) const { return read_entries(*from_.connection, "e.no > ?1", no, at_once); }
+  Result<std::vector<EntryRow>> named_entries(std::size_t done) const {
+    std::vector<EntryRow> out;
+    for (std::size_t i = done; i < std::min(options_.entries.size(), done + at_once); ++i) {
+      Result<EntryRow> entry = find_entry(from_, options_.entries[i], Trash::no);
+      if (!entry) return fail(std::move(entry.error()));
+      out.push_back(std::move(*entry));
+    }
+    return out;
+  }
+
+  Result<void> copy_blob(const std::string& hash, const std::string& what) {
+    const Result<bool> there = has_blob(*to_.connection, hash);
+    if (!there) return fail(there.error());
+    if (*there) return {};
+    const Result<std::vector<std::byte>> bytes = read_blob(*from_.connection, hash, what);
+    if (!bytes) return fail(bytes.error());
+    ++report_.blobs;
+    return put_blob(*to_.connection, hash, *bytes);
+  }
+
+  Result<void> add_versions(std::int64_t no, const std::vector<VersionRow>& versions, std::size_t first) {
+    for (std::size_t i = first; i < versions.size(); ++i) {
+      if (Result<void> done = copy_blob(versions[i].data, "content " + versions[i].content); !done) return done;
+      if (Result<void> done = insert_version(*to_.connection, no, versions[i]); !done) return done;
+      ++report_.versions;
+    }
+    return {};
+  }
+
+  Result<void> copy_entry(const EntryRow& entry) {
+    Result<std::vector<VersionRow>> versions = read_versions(*from_.connection, entry.no);
+    if (!versions) return fail(std::move(versions.error()));
+    if (options_.latest_only && versions->size() > 1) versions->erase(versions->begin(), versions->end() - 1);
+    if (versions->empty())
+      return fail(ErrorCode::structure, from_.place(entry.id), "The entry has no version.", "Run `ugoki db check` on this library.");
+    const std::string what = "entry " + entry.id + " '" + entry.newest.name + "'";
+    // The row of an entry names its blobs, so these come first.
+    const Result<std::vector<EntryRow>> known = read_entries(*to_.connection, "e.id = ?1", entry.id);
+    if (!known) return fail(known.error());
+    if (!entry.thumbnail.empty())
+      if (Result<void> done = copy_blob(entry.thumbnail, "thumbnail of " + what); !done) return done;
+    if (known->empty()) {
+      if (Result<void> done = copy_blob(entry.newest.data, what); !done) return done;
+      const Result<std::int64_t> no = insert_entry(*to_.connection, entry);
+      if (!no) return fail(no.error());
+      if (*no == 0)
+        return fail(ErrorCode::conflict, to_.place(entry.id), "Somebody puts in the same entry at this moment.", "Do it again.");
+      ++report_.added;
+      return add_versions(*no, *versions, 0);
+    }
+    return merge(entry, *versions, known->front());
+  }
+
+  /// The entry is there: goes on from where it stands, if what stands there is a part of the history here.
+  Result<void> merge(const EntryRow& entry, const std::vector<VersionRow>& here, const EntryRow& there) {
+    if (Result<void> done = merge_tags(entry, there); !done) return done;
+    const Result<std::vector<VersionRow>> known = read_versions(*to_.connection, there.no);
+    if (!known) return fail(known.error());
+    const auto in = [](const std::vector<VersionRow>& list, const VersionRow& v) { return std::ranges::find(list, v) != list.end(); };
+    const bool older_than_there = in(*known, here.back());
+    if (older_than_there) {
+      ++report_.equal;
+      return {};
+    }
+    const auto last = std::ranges::find(here, known->back());
+    if (last != here.end()) {
+      ++report_.continued;
+      if (Result<void> done = add_versions(there.no, here, static_cast<std::size_t>(last - here.begin()) + 1); !done) return done;
+      return set_newest(there, here.back(), entry.thumbnail);
+    }
+    if (!options_.save_differing) {
+      const VersionRow &a = here.back(), &b = known->back();
+      report_.differing.push_back(entry.id + " '" + entry.newest.name + "': version " + std::to_string(a.version) + " by " + a.author +
+                                  " (" + a.saved + ") here, version " + std::to_string(b.version) + " by " + b.author + " (" + b.saved +
+                                  ") there");
+      return {};
+    }
+    VersionRow next = here.back();
+    next.version = known->back().version + 1;
+    // What was saved on top once already is not saved again.
+    for (const VersionRow& v : *known)
+      if (VersionRow same = v; same.version = next.version, same == next) {
+        ++report_.equal;
+        return {};
+      }
+    ++report_.saved;
+    if (Result<void> done = add_versions(there.no, {next}, 0); !done) return done;
+    return set_newest(there, next, entry.thumbnail);
+  }
+
+  Result<void> merge_tags(const EntryRow& entry, const EntryRow& there) {
+    bool changed = false;
+    for (const std::string& tag : entry.tags) {
+      if (std::ranges::binary_search(there.tags, tag)) continue;
+      if (Result<void> done = insert_tag(*to_.connection, there.no, tag); !done) return done;
+      changed = true;
+    }
+    if (entry.thumbnail.empty() || !there.thumbnail.empty() || entry.newest.data != there.newest.data)
+      return changed ? refresh_words(*to_.connection, there.no) : Result<void>{};
+    const Result<Rows> set = to_.connection->query("UPDATE entry SET thumbnail = ?2 WHERE no = ?1", {there.no, entry.thumbnail});
+    if (!set) return fail(set.error());
+    return changed ? refresh_words(*to_.connection, there.no) : Result<void>{};
+  }
+
+  Result<void> set_newest(const EntryRow& there, const VersionRow& v, const std::string& thumbnail) {
+    const Result<Rows> set = to_.connection->query(
+        "UPDATE entry SET version = ?2, name = ?3, summary = ?4, note = ?5, content = ?6, data = ?7, size = ?8, author = ?9, changed = "
+        "?10, "
+        "thumbnail = ?11 WHERE no = ?1 AND version = ?12 RETURNING no",
+        {there.no, v.version, v.name, v.summary, v.note, v.content, v.data, v.size, v.author, v.saved,
+         thumbnail.empty() ? Value() : Value(thumbnail), there.newest.version});
+    if (!set) return fail(set.error());
+    if (set->empty())
+      return fail(ErrorCode::conflict, to_.place(there.id), "Somebody saves the same entry at this moment.", "Do it again.");
+    return refresh_words(*to_.connection, there.no);
+  }
+
+  LibraryBody &from_, &to_;
+  const CopyOptions& options_;
+  CopyReport report_;
+};
+
+/// Removes a file that was not finished.
+struct Unfinished {
+  std::string path;
+  ~Unfinished() {
+    std::error_code ignored;
+    for (const char* end : {"", "-wal", "-shm", "-journal"}) fs::remove(path + end, ignored);
+  }
+};
+
+/// The file and its name reach the disk.
+bool sync(const std::string& path, int flags) {
+  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool done = ::fsync(fd) == 0;
+  ::close(fd);
+  return done;
+}
+
+}  // namespace
+
+Result<CopyReport> copy_entries(const Library& from, Library& to, const CopyOptions& options) { return Copy(from, to, options).run(); }
+
+Result<std::vector<std::string>> with_references(const Library& library, const std::vector<std::string>& ids) {
+  std::vector<std::string> out, open(ids.rbegin(), ids.rend());
+  std::set<std::string> seen;
+  while (!open.empty()) {
+    const std::string id = open.back();
+    open.pop_back();
+    const Result<LibraryEntry> entry = library.get(id);
+    if (!entry) {
+      if (std::ranges::find(ids, id) == ids.end() && entry.error().problems.front().code == ErrorCode::unknown)
+        continue;  // named, but not there
+      return fail(entry.error());
+    }
+    if (!seen.insert(entry->id).second) continue;
+    out.push_back(entry->id);
+    std::vector<std::string> texts;
+    if (const auto summary = json::parse_json(entry->summary, "summary")) collect_texts(*summary, texts);
+    if (entry->kind == EntryKind::set) {
+      const Result<std::vector<std::byte>> list = library.data(entry->id);
+      if (!list) return fail(list.error());
+      const auto parsed = json::parse_json({reinterpret_cast<const char*>(list->data()), list->size()}, "set " + entry->name);
+      if (!parsed) return fail(parsed.error());
+      collect_texts(*parsed, texts);
+    }
+    for (std::string& text : texts)
+      if (looks_like_id(text)) open.push_back(std::move(text));
+  }
+  return out;
+}
+
+Result<CopyReport> export_set(const Library& from, const std::vector<std::string>& ids, const std::string& path,
+                              const CopyOptions& options) {
+  Result<std::vector<std::string>> entries = with_references(from, ids);
+  if (!entries) return fail(std::move(entries.error()));
+  const Unfinished temporary{path + ".part-" + std::to_string(::getpid())};
+  CopyReport report;
+  {
+    Result<Library> to = Library::open(temporary.path);
+    if (!to) return fail(std::move(to.error()));
+    CopyOptions some = options;
+    some.entries = std::move(*entries);
+    if (!some.entries.empty()) {
+      Result<CopyReport> copied = copy_entries(from, *to, some);
+      if (!copied) return copied;
+      report = std::move(*copied);
+    }
+    if (Result<void> one_file = body_of(*to).connection->script("PRAGMA journal_mode = DELETE"); !one_file)
+      return fail(std::move(one_file.error()));
+  }
+  const std::string folder = fs::path(path).parent_path().string();
+  if (!sync(temporary.path, O_RDONLY) || ::rename(temporary.path.c_str(), path.c_str()) != 0)
+    return fail(ErrorCode::io, path, "The file cannot be written.", "Check the folder, its permissions and the space on the disk.");
+  (void)sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+  return report;
+}
+
+}  // namespace ugoki::store

@@ -1,0 +1,313 @@
+// Searching and browsing.
+//
+// Two ways, the same on both databases, chosen so that neither ever reads all of a large library:
+// - few fit: the index of words (which knows kinds and tags as well) gives the entries, these are sorted;
+// - many fit, or nothing is asked for: the entries are read in the order asked for, from the place where the page begins, and each is
+//   looked at; a page is soon full because many fit. The words of an entry stand in one text, so that "has these words in a row" is
+//   "contains this text", which means exactly what the index of words means.
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "ugoki/base/base64.h"
+#include "ugoki/store/library_body.h"
+#include "ugoki/store/words.h"
+
+namespace ugoki::store {
+namespace {
+
+/// Relevance comes in three parts, one after the other: names that begin with the text, names that hold it, the others.
+constexpr int relevance_parts = 3;
+
+/// A place in the order: entries behind it follow.
+struct Position {
+  int part = 0;
+  std::string key, id;
+};
+
+struct Column {
+  const char* name;
+  bool descending, number;
+};
+Column column_of(LibraryOrder order) {
+  switch (order) {
+    case LibraryOrder::relevance:
+    case LibraryOrder::name: return {"e.name_key", false, false};
+    case LibraryOrder::newest: return {"e.changed", true, false};
+    case LibraryOrder::oldest: return {"e.changed", false, false};
+    case LibraryOrder::longest: return {"e.duration_ms", true, true};
+    case LibraryOrder::shortest: return {"e.duration_ms", false, true};
+  }
+  return {"e.name_key", false, false};
+}
+
+std::string text_of(const Position& position, LibraryOrder order) {
+  const std::string text =
+      std::to_string(static_cast<int>(order)) + "," + std::to_string(position.part) + "," + position.id + "," + position.key;
+  return to_base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+Result<Position> position_of(const std::string& text, LibraryOrder order) {
+  const auto wrong = [] {
+    return fail(ErrorCode::range, "after", "This is no place in this list.",
+                "Give `next` of the page before, and otherwise the same query.");
+  };
+  const std::optional<std::vector<std::uint8_t>> bytes = from_base64(text);
+  if (!bytes) return wrong();
+  const std::string_view all(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  std::array<std::string_view, 4> fields;
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::size_t end = i + 1 < fields.size() ? all.find(',', at) : all.size();
+    if (end == std::string_view::npos) return wrong();
+    fields[i] = all.substr(at, end - at);
+    at = end + 1;
+  }
+  int part = -1;
+  std::from_chars(fields[1].data(), fields[1].data() + fields[1].size(), part);
+  const bool number = column_of(order).number;
+  const bool digits = !fields[3].empty() && fields[3].size() < 18 && fields[3].find_first_not_of("0123456789") == std::string_view::npos;
+  if (fields[0] != std::to_string(static_cast<int>(order)) || part < 0 || part >= relevance_parts || (number && !digits) ||
+      clean_text(all) != all)
+    return wrong();
+  return Position{part, std::string(fields[3]), std::string(fields[2])};
+}
+
+/// A statement that grows, with the values of its parameters.
+struct Sql {
+  std::string text;
+  std::vector<Value> values;
+  std::vector<std::unique_ptr<std::string>> owned;
+
+  std::string parameter(const Value& value) {
+    values.push_back(value);
+    return "?" + std::to_string(values.size());
+  }
+  std::string parameter(std::string value) {
+    owned.push_back(std::make_unique<std::string>(std::move(value)));
+    return parameter(Value(*owned.back()));
+  }
+};
+
+class Search {
+ public:
+  Search(const LibraryBody& body, const LibraryQuery& query) : body_(body), query_(query), phrases_(search_phrases(query.text)) {
+    by_relevance_ = query.order == LibraryOrder::relevance && !phrases_.empty();
+    for (const std::string& tag : query.tags) tags_.push_back(clean_text(tag));
+    if (query.kinds.empty())
+      for (const EntryKind kind : entry_kinds) kinds_.emplace_back(name_of(kind));
+    for (const std::string& kind : query.kinds)
+      if (std::ranges::find(kinds_, kind) == kinds_.end()) kinds_.push_back(kind);
+  }
+
+  Result<LibraryPage> page() {
+    LibraryPage out;
+    if (phrases_.nothing || query_.limit == 0) return out;
+    std::optional<Position> after;
+    if (!query_.after.empty()) {
+      Result<Position> position = position_of(query_.after, query_.order);
+      if (!position) return fail(std::move(position.error()));
+      after = std::move(*position);
+    }
+    const bool filtered = !phrases_.empty() || !tags_.empty();
+    std::size_t fit = counted_at_most + 1;
+    if (filtered && body_.full_text && !query_.removed) {
+      Result<std::size_t> counted = count_matches(false);
+      if (!counted) return fail(std::move(counted.error()));
+      fit = *counted;
+      if (by_relevance_ && fit > counted_at_most) {
+        counted = count_matches(true);
+        if (!counted) return fail(std::move(counted.error()));
+        few_names_ = *counted <= counted_at_most;
+      }
+    } else if (!after && !filtered) {
+      if (Result<void> counted = count_all(out); !counted) return fail(std::move(counted.error()));
+    }
+    if (filtered) {
+      out.total = std::min(fit, counted_at_most);
+      out.total_exact = fit <= counted_at_most;
+    }
+    Result<std::vector<Hit>> hits = fit > counted_at_most ? walk(after) : sorted(after);
+    if (!hits) return fail(std::move(hits.error()));
+    if (hits->size() > query_.limit) {
+      hits->resize(query_.limit);
+      out.next = text_of(hits->back().position, query_.order);
+    }
+    std::vector<EntryRow> rows;
+    for (Hit& hit : *hits) rows.push_back(std::move(hit.row));
+    if (Result<void> tagged = read_tags(*body_.connection, rows); !tagged) return fail(std::move(tagged.error()));
+    for (const EntryRow& row : rows) {
+      Result<LibraryEntry> entry = public_entry(row);
+      if (!entry) return fail(std::move(entry.error()));
+      out.entries.push_back(std::move(*entry));
+    }
+    return out;
+  }
+
+ private:
+  struct Hit {
+    Position position;
+    EntryRow row;
+  };
+  [[nodiscard]] Connection& connection() const { return *body_.connection; }
+  [[nodiscard]] const Dialect& dialect() const { return connection().dialect(); }
+
+  /// The entries that fit, by the index of words.
+  [[nodiscard]] std::string match(Sql& sql, bool in_name) const {
+    const std::vector<std::string>& kinds = query_.kinds;
+    std::string out = dialect().match;
+    return out.replace(out.find("{query}"), 7,
+                       sql.parameter(dialect().postgres ? phrases_.tsquery(in_name, tags_, kinds) : phrases_.fts5(in_name, tags_, kinds)));
+  }
+  /// How many they are, at most one more than counted_at_most.
+  Result<std::size_t> count_matches(bool in_name) const {
+    Sql sql;
+    const std::string select = match(sql, in_name);
+    const Result<Rows> rows = connection().query(
+        "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(counted_at_most + 1) + ") y", sql.values);
+    if (!rows) return fail(rows.error());
+    return static_cast<std::size_t>(rows->integer(0, 0));
+  }
+
+  /// What every entry of the answer must fulfil, said of its own row.
+  std::string conditions(Sql& sql) const {
+    std::string out = query_.removed ? "e.removed IS NOT NULL" : "e.removed IS NULL";
+    for (std::size_t i = 0; i < phrases_.phrases.size(); ++i)
+      out += " AND " + dialect().instr + "(e.words, " + sql.parameter(phrases_.in_words(i)) + ") > 0";
+    for (const std::string& tag : tags_)
+      out += " AND EXISTS (SELECT 1 FROM tag t WHERE t.entry = e.no AND t.tag = " + sql.parameter(Value(tag)) + ")";
+    return out;
+  }
+
+  std::string begins(Sql& sql) const {
+    return "(e.name_key >= " + sql.parameter(Value(phrases_.key)) + " AND e.name_key < " +
+           sql.parameter(phrases_.key + "\xf4\x8f\xbf\xbf") + ")";
+  }
+  std::string in_name(Sql& sql) const {
+    std::string out;
+    for (std::size_t i = 0; i < phrases_.phrases.size(); ++i)
+      out += (i ? " AND " : "(") + dialect().instr + "(' ' || e.name_key, " + sql.parameter(phrases_.in_words(i)) + ") > 0";
+    return out + ")";
+  }
+  std::string of_part(Sql& sql, int part) const {
+    if (part == 0) return begins(sql);
+    if (part == 1) return in_name(sql) + " AND NOT " + begins(sql);
+    return "NOT " + in_name(sql);
+  }
+
+  /// Behind `after` in the order, within one part.
+  std::string behind(Sql& sql, const Position& after) const {
+    const Column column = column_of(query_.order);
+    const std::string key = column.number ? after.key : sql.parameter(Value(after.key));  // a number was checked to be digits
+    return std::string("(") + column.name + ", e.id) " + (column.descending ? "<" : ">") + " (" + key + ", " +
+           sql.parameter(Value(after.id)) + ")";
+  }
+  std::string in_order() const {
+    const Column column = column_of(query_.order);
+    const std::string way = column.descending ? " DESC" : "";
+    return std::string(column.name) + way + ", e.id" + way;
+  }
+
+  Result<void> run(const Sql& sql, int part, std::vector<Hit>& hits) const {
+    const Result<Rows> rows = connection().query(sql.text, sql.values);
+    if (!rows) return fail(rows.error());
+    for (std::size_t r = 0; r < rows->size(); ++r) {
+      Hit hit;
+      hit.row = entry_of(*rows, r);
+      hit.position = {part >= 0 ? part : static_cast<int>(rows->integer(r, entry_column_count + 1)), rows->text(r, entry_column_count),
+                      hit.row.id};
+      hits.push_back(std::move(hit));
+    }
+    return {};
+  }
+
+  /// Few fit: all of them, sorted.
+  Result<std::vector<Hit>> sorted(const std::optional<Position>& after) const {
+    Sql sql;
+    const std::string with = "WITH hit AS MATERIALIZED (" + match(sql, false) + ") ";
+    const std::string from = " FROM hit h " + dialect().join + " entry e ON e.no = h.no WHERE " + conditions(sql);
+    std::string part = "0";
+    if (by_relevance_) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
+    const Column column = column_of(query_.order);
+    sql.text = with + "SELECT * FROM (SELECT " + entry_columns + ", " + column.name + " AS key, " + part + " AS part" + from + ") e";
+    if (after) {
+      // The parts are compared first: each is a list of its own.
+      const std::string here = std::to_string(after->part);
+      std::string key = column.number ? after->key : sql.parameter(Value(after->key));
+      sql.text += " WHERE e.part > " + here + " OR (e.part = " + here + " AND (e.key, e.id) " + (column.descending ? "<" : ">") + " (" +
+                  key + ", " + sql.parameter(Value(after->id)) + "))";
+    }
+    const std::string way = column.descending ? " DESC" : "";
+    sql.text += " ORDER BY e.part, e.key" + way + ", e.id" + way + " LIMIT " + std::to_string(query_.limit + 1);
+    std::vector<Hit> hits;
+    if (Result<void> done = run(sql, -1, hits); !done) return fail(std::move(done.error()));
+    return hits;
+  }
+
+  /// Many fit: part by part and kind by kind, each in the order of its index; the kinds are merged.
+  Result<std::vector<Hit>> walk(const std::optional<Position>& after) const {
+    std::vector<Hit> all;
+    const Column column = column_of(query_.order);
+    for (int part = after ? after->part : 0; part < (by_relevance_ ? relevance_parts : 1) && all.size() <= query_.limit; ++part) {
+      std::vector<Hit> hits;
+      for (const std::string& kind : kinds_) {
+        Result<void> done = walk_kind(kind, part, after && part == after->part ? &*after : nullptr, query_.limit + 1 - all.size(), hits);
+        if (!done) return fail(std::move(done.error()));
+      }
+      const auto before = [&](const Hit& a, const Hit& b) {
+        const Position &p = a.position, &q = b.position;
+        if (p.key == q.key) return column.descending ? p.id > q.id : p.id < q.id;
+        const bool less = column.number && p.key.size() != q.key.size() ? p.key.size() < q.key.size() : p.key < q.key;
+        return column.descending ? !less : less;
+      };
+      std::ranges::sort(hits, before);
+      const std::size_t room = std::min(hits.size(), query_.limit + 1 - all.size());
+      std::move(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(room), std::back_inserter(all));
+    }
+    return all;
+  }
+
+  Result<void> walk_kind(const std::string& kind, int part, const Position* after, std::size_t limit, std::vector<Hit>& hits) const {
+    Sql sql;
+    std::string with, from = " FROM entry e WHERE ";
+    if (few_names_ && part == 1) {
+      with = "WITH hit AS MATERIALIZED (" + match(sql, true) + ") ";
+      from = " FROM hit h " + dialect().join + " entry e ON e.no = h.no WHERE ";
+    }
+    from += "e.kind = " + sql.parameter(Value(kind)) + " AND " + conditions(sql);
+    if (by_relevance_) from += " AND " + of_part(sql, part);
+    if (after) from += " AND " + behind(sql, *after);
+    sql.text = with + "SELECT " + entry_columns + ", " + column_of(query_.order).name + " AS key" + from + " ORDER BY " + in_order() +
+               " LIMIT " + std::to_string(limit);
+    return run(sql, part, hits);
+  }
+
+  /// Browsing: how many entries of the kinds there are.
+  Result<void> count_all(LibraryPage& out) const {
+    for (const std::string& kind : kinds_) {
+      const Result<Rows> rows = connection().query(
+          std::string("SELECT count(*) FROM entry e WHERE e.kind = ?1 AND e.removed IS ") + (query_.removed ? "NOT NULL" : "NULL"), {kind});
+      if (!rows) return fail(rows.error());
+      out.total += static_cast<std::size_t>(rows->integer(0, 0));
+    }
+    return {};
+  }
+
+  const LibraryBody& body_;
+  const LibraryQuery& query_;
+  SearchPhrases phrases_;
+  std::vector<std::string> kinds_, tags_;
+  bool by_relevance_ = false;
+  bool few_names_ = false;  ///< many fit, but few by their name alone
+};
+
+}  // namespace
+
+Result<LibraryPage> Library::find(const LibraryQuery& query) const {
+  for (const std::string& kind : query.kinds)
+    if (const Result<EntryKind> known = entry_kind_named(kind); !known) return fail(known.error());
+  return Search(*body_, query).page();
+}
+
+}  // namespace ugoki::store

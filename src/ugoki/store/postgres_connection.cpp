@@ -1,0 +1,316 @@
+// A library in a PostgreSQL database, through libpq.
+
+#include <libpq-fe.h>
+
+#include <algorithm>
+#include <charconv>
+#include <map>
+#include <thread>
+
+#include "ugoki/store/connection.h"
+
+namespace ugoki::store {
+namespace {
+
+const Dialect postgres_dialect = {
+    .postgres = true,
+    .now = R"(to_char(clock_timestamp() AT TIME ZONE 'UTC', 'YYYY-MM-DD"T"HH24:MI:SS.MS"Z"'))",
+    .instr = "strpos",
+    .join = "JOIN",
+    .match = "SELECT entry AS no FROM entry_text WHERE terms @@ {query}::text::tsquery",
+    .update = " FOR UPDATE",
+};
+
+/// What every connection is set to. Names of tables without schema mean ours; a save that was acknowledged is on the server's disk.
+constexpr const char* session_settings =
+    "SET search_path = ugoki; SET synchronous_commit = on; SET lock_timeout = '10s'; SET jit = off; SET client_min_messages = warning; "
+    "SET standard_conforming_strings = on; SET plan_cache_mode = force_custom_plan; SET idle_in_transaction_session_timeout = '10min'";
+
+struct ResultEnd {
+  void operator()(PGresult* r) const { PQclear(r); }
+};
+using Answer = std::unique_ptr<PGresult, ResultEnd>;
+struct ConnectionEnd {
+  void operator()(PGconn* c) const { PQfinish(c); }
+};
+using Handle = std::unique_ptr<PGconn, ConnectionEnd>;
+struct OptionsEnd {
+  void operator()(PQconninfoOption* o) const { PQconninfoFree(o); }
+};
+
+/// The parts of an address that nobody should see: what libpq itself calls secret, and all that may be a password where the address is
+/// written wrongly (between the user's name and the last '@').
+std::vector<std::string> secrets_of(const std::string& address) {
+  std::vector<std::string> secrets;
+  char* wrong = nullptr;
+  const std::unique_ptr<PQconninfoOption, OptionsEnd> options(PQconninfoParse(address.c_str(), &wrong));
+  PQfreemem(wrong);
+  for (const PQconninfoOption* o = options.get(); o != nullptr && o->keyword != nullptr; ++o)
+    if (o->val != nullptr && o->val[0] != '\0' && o->dispchar[0] == '*') secrets.emplace_back(o->val);
+  const std::size_t begin = address.find("://"), end = address.rfind('@');
+  if (begin == std::string::npos || end == std::string::npos || end < begin + 3) return secrets;
+  const std::string_view credentials = std::string_view(address).substr(begin + 3, end - begin - 3);
+  for (std::size_t at = credentials.find(':'); at < credentials.size();) {
+    const std::size_t next = std::min(credentials.find_first_of(":@/", at + 1), credentials.size());
+    if (next > at + 1) secrets.emplace_back(credentials.substr(at + 1, next - at - 1));
+    at = next;
+  }
+  return secrets;
+}
+
+class PostgresConnection final : public Connection {
+ public:
+  PostgresConnection(std::string address, bool read_only)
+      : address_(std::move(address)), place_(without_password(address_)), secrets_(secrets_of(address_)), read_only_(read_only) {}
+
+  const Dialect& dialect() const override { return postgres_dialect; }
+  const std::string& place() const override { return place_; }
+  bool should_retry() const override { return retry_; }
+
+  Result<void> connect() {
+    prepared_.clear();
+    // What stands in the address overrides what stands before it here.
+    const char* const keys[] = {"connect_timeout",  "keepalives_idle",  "keepalives_interval",
+                                "keepalives_count", "tcp_user_timeout", "application_name",
+                                "client_encoding",  "dbname",           nullptr};
+    const char* const values[] = {"10", "10", "5", "3", "30000", "ugoki", "UTF8", address_.c_str(), nullptr};
+    handle_.reset(PQconnectdbParams(keys, values, 1));
+    if (!handle_ || PQstatus(handle_.get()) != CONNECTION_OK)
+      return fail(ErrorCode::io, place_,
+                  "The database server cannot be reached" + detail(handle_ ? PQerrorMessage(handle_.get()) : "") + ".",
+                  "Check the address, that the server runs, and the user's name and password (also in ~/.pgpass or PGPASSWORD).");
+    PQsetNoticeProcessor(handle_.get(), [](void*, const char*) {}, nullptr);
+    if (Result<void> set = run(session_settings); !set) return set;
+    if (read_only_) return run("SET default_transaction_read_only = on");
+    return {};
+  }
+
+  using Connection::query;
+  Result<Rows> query(std::string_view sql, std::span<const Value> parameters) override {
+    const Result<Answer> answer = execute(sql, parameters, 0);
+    if (!answer) return fail(answer.error());
+    const int rows = PQntuples(answer->get()), columns = PQnfields(answer->get());
+    Rows out(columns);
+    for (int r = 0; r < rows; ++r)
+      for (int c = 0; c < columns; ++c)
+        out.add(std::string(PQgetvalue(answer->get(), r, c), static_cast<std::size_t>(PQgetlength(answer->get(), r, c))),
+                PQgetisnull(answer->get(), r, c) != 0);
+    return out;
+  }
+
+  Result<std::optional<std::vector<std::byte>>> bytes(std::string_view sql, std::span<const Value> parameters) override {
+    const Result<Answer> answer = execute(sql, parameters, 1);
+    if (!answer) return fail(answer.error());
+    if (PQntuples(answer->get()) == 0) return std::nullopt;
+    const auto* p = reinterpret_cast<const std::byte*>(PQgetvalue(answer->get(), 0, 0));
+    return std::vector<std::byte>(p, p + PQgetlength(answer->get(), 0, 0));
+  }
+
+  Result<void> script(const std::string& sql) override { return run(sql.c_str()); }
+
+  Result<void> begin(Access access) override {
+    retry_ = false;
+    if (Result<void> alive = wake(); !alive) return alive;
+    Result<void> begun =
+        run(access == Access::write ? "BEGIN ISOLATION LEVEL READ COMMITTED" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
+    if (!begun && lost() && !open_) {  // the server was started anew since the last statement: nothing of ours is lost
+      if (Result<void> again = connect(); !again) return again;
+      begun = run(access == Access::write ? "BEGIN ISOLATION LEVEL READ COMMITTED" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY");
+    }
+    open_ = begun.has_value();
+    return begun;
+  }
+
+  Result<void> commit() override {
+    Result<Rows> number = query("SELECT pg_current_xact_id_if_assigned()::text");
+    if (!number) {
+      rollback();
+      return fail(std::move(number.error()));
+    }
+    const std::string transaction = number->is_null(0, 0) ? "" : number->text(0, 0);
+    Result<void> done = run("COMMIT");
+    open_ = false;
+    if (!done && lost()) {
+      retry_ = false;
+      return settle(transaction);
+    }
+    return done;
+  }
+
+  void rollback() override {
+    if (open_ && handle_ && !lost()) {
+      const bool retry = retry_;
+      (void)run("ROLLBACK");
+      retry_ = retry;
+    }
+    open_ = false;
+  }
+
+  Result<void> check(Error& problems) override {
+    const Result<Rows> settings =
+        query("SELECT name, setting FROM pg_settings WHERE name IN ('fsync', 'full_page_writes') AND setting = 'off'");
+    if (!settings) return fail(settings.error());
+    for (std::size_t i = 0; i < settings->size(); ++i)
+      problems.add(ErrorCode::unsupported, place_,
+                   "The server runs with " + settings->text(i, 0) + " = off: a power cut can lose what was saved.",
+                   "Ask the server's administrator to set it to on.");
+    return {};
+  }
+
+  Result<void> tidy() override { return run("ANALYZE entry, version, tag, entry_text"); }
+
+ private:
+  [[nodiscard]] bool lost() const { return !handle_ || PQstatus(handle_.get()) != CONNECTION_OK; }
+  /// Connects again where the connection was found broken before this.
+  Result<void> wake() { return lost() ? connect() : Result<void>{}; }
+
+  /// libpq's words in brackets, unless a secret might be among them.
+  [[nodiscard]] std::string detail(std::string text) const {
+    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+    std::ranges::replace(text, '\n', ' ');
+    std::ranges::replace(text, '\t', ' ');
+    for (const std::string& secret : secrets_)
+      if (text.find(secret) != std::string::npos) return "";
+    return text.empty() ? "" : " (" + text + ")";
+  }
+
+  /// After the connection was lost while a commit was on its way: asks the server whether it arrived.
+  Result<void> settle(const std::string& transaction) {
+    if (transaction.empty()) return {};  // it had changed nothing
+    for (int attempt = 0; attempt < 20; ++attempt) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(attempt < 5 ? 100 : 500));
+      if (!connect()) continue;
+      const Value number(transaction);
+      const Result<Rows> status = query("SELECT pg_xact_status(?1::text::xid8)", std::span<const Value>(&number, 1));
+      if (!status) continue;
+      if (status->text(0, 0) == "committed") return {};
+      if (status->text(0, 0) == "aborted")
+        return fail(ErrorCode::io, place_, "The connection to the database server was lost; nothing of this was saved.", "Do it again.");
+    }
+    return fail(ErrorCode::io, place_, "The connection to the database server was lost while it was saving, and it does not answer.",
+                "When the server runs again, look whether the entry has the new version before you save again.");
+  }
+
+  std::unexpected<Error> problem_of(const PGresult* answer) {
+    const char* field = answer != nullptr ? PQresultErrorField(answer, PG_DIAG_SQLSTATE) : nullptr;
+    const std::string state = field != nullptr ? field : "";
+    const char* primary = answer != nullptr ? PQresultErrorField(answer, PG_DIAG_MESSAGE_PRIMARY) : nullptr;
+    const std::string words = detail(primary != nullptr ? primary : PQerrorMessage(handle_.get()));
+    if (lost() || state.starts_with("57P") || state.starts_with("08"))
+      return fail(ErrorCode::io, place_, "The connection to the database server was lost" + words + "; what was not finished is not saved.",
+                  "Do it again when the server runs.");
+    if (state == "40001" || state == "40P01" || state == "23503" || state == "23505") {
+      retry_ = true;
+      return fail(ErrorCode::conflict, place_, "Others changed the same entries at the same time" + words + ".", "Try again.");
+    }
+    if (state == "55P03")
+      return fail(ErrorCode::conflict, place_, "The database is locked by another program.", "Wait until it has finished, then try again.");
+    if (state == "25006") return fail(ErrorCode::io, place_, "The database may only be read here.", "Open it for writing.");
+    if (state.starts_with("42501"))
+      return fail(ErrorCode::io, place_, "The database user may not do this" + words + ".",
+                  "Ask the database's administrator for the right to create and use the schema ugoki.");
+    if (state.starts_with("53"))
+      return fail(ErrorCode::io, place_, "The database server has no more room" + words + ".", "Free space on the server and try again.");
+    return fail(ErrorCode::io, place_, "The database failed" + words + ".", "Try again, or ask the server's administrator.");
+  }
+
+  /// Statements without parameters.
+  Result<void> run(const char* sql) {
+    const Answer answer(PQexec(handle_.get(), sql));
+    const ExecStatusType status = PQresultStatus(answer.get());
+    if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK || status == PGRES_EMPTY_QUERY) return {};
+    return problem_of(answer.get());
+  }
+
+  Result<Answer> execute(std::string_view sql, std::span<const Value> parameters, int format) {
+    retry_ = false;
+    if (!open_) {
+      if (Result<void> alive = wake(); !alive) return fail(std::move(alive.error()));
+    }
+    Result<Answer> answer = send(sql, parameters, format);
+    if (!answer && lost() && !open_) {  // as in begin(): a statement alone can be said again
+      if (Result<void> again = connect(); !again) return fail(std::move(again.error()));
+      answer = send(sql, parameters, format);
+    }
+    return answer;
+  }
+
+  Result<Answer> send(std::string_view sql, std::span<const Value> parameters, int format) {
+    constexpr std::size_t most_prepared = 200;
+    auto known = prepared_.find(sql);
+    if (known == prepared_.end()) {
+      if (prepared_.size() >= most_prepared) {
+        if (Result<void> gone = run("DEALLOCATE ALL"); !gone) return fail(std::move(gone.error()));
+        prepared_.clear();
+      }
+      std::string text(sql), name = "s" + std::to_string(prepared_.size());
+      std::ranges::replace(text, '?', '$');
+      const Answer made(PQprepare(handle_.get(), name.c_str(), text.c_str(), 0, nullptr));
+      if (PQresultStatus(made.get()) != PGRES_COMMAND_OK) return problem_of(made.get());
+      known = prepared_.emplace(std::string(sql), std::move(name)).first;
+    }
+    std::vector<std::string> texts(parameters.size());
+    std::vector<const char*> values(parameters.size());
+    std::vector<int> lengths(parameters.size()), formats(parameters.size());
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Value& v = parameters[i];
+      if (v.type == Value::Type::bytes) {
+        values[i] = v.bytes.empty() ? "" : reinterpret_cast<const char*>(v.bytes.data());
+        lengths[i] = static_cast<int>(v.bytes.size());
+        formats[i] = 1;
+        continue;
+      }
+      if (v.type != Value::Type::null) {
+        texts[i] = v.type == Value::Type::integer ? std::to_string(v.number) : std::string(v.text);
+        values[i] = texts[i].c_str();
+      }
+    }
+    Answer answer(PQexecPrepared(handle_.get(), known->second.c_str(), static_cast<int>(parameters.size()), values.data(), lengths.data(),
+                                 formats.data(), format));
+    const ExecStatusType status = PQresultStatus(answer.get());
+    if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) return problem_of(answer.get());
+    return answer;
+  }
+
+  std::string address_, place_;
+  std::vector<std::string> secrets_;
+  bool read_only_, open_ = false, retry_ = false;
+  Handle handle_;
+  std::map<std::string, std::string, std::less<>> prepared_;  ///< names of statements
+};
+
+}  // namespace
+
+bool is_postgres(std::string_view place) { return place.starts_with("postgresql://") || place.starts_with("postgres://"); }
+
+std::string without_password(std::string_view place) {
+  if (!is_postgres(place)) return std::string(place);
+  std::string out(place);
+  const std::size_t begin = out.find("://") + 3, end = out.rfind('@');
+  if (end != std::string::npos && out.find('?') < end) return out.substr(0, begin) + "***";  // who knows where the password ends
+  if (end != std::string::npos && end > begin) {
+    const std::size_t colon = out.find(':', begin);
+    if (colon < end) out.replace(colon, end - colon, "");
+  }
+  for (const std::string_view secret : {"password=", "sslpassword="}) {
+    const std::size_t query = out.find('?');
+    for (std::size_t at = query; at < out.size();) {
+      const std::size_t next = std::min(out.find('&', at + 1), out.size());
+      if (std::string_view(out).substr(at + 1).starts_with(secret)) {
+        out.replace(at + 1 + secret.size(), next - at - 1 - secret.size(), "***");
+        at = std::min(out.find('&', at + 1), out.size());
+      } else {
+        at = next;
+      }
+    }
+  }
+  return out;
+}
+
+Result<std::unique_ptr<Connection>> postgres_connection(const std::string& address, bool read_only) {
+  auto connection = std::make_unique<PostgresConnection>(address, read_only);
+  if (Result<void> done = connection->connect(); !done) return fail(std::move(done.error()));
+  return connection;
+}
+
+}  // namespace ugoki::store
