@@ -7,6 +7,7 @@
 #include "figures.h"
 #include "ugoki/motion_edit/foot_contacts.h"
 #include "ugoki/motion_edit/root_path.h"
+#include "ugoki/motion_edit/to_measured.h"
 
 namespace ugoki::motion_edit {
 namespace {
@@ -140,6 +141,22 @@ TEST(RootPath, BentWalksGoAlongTheCurveAndStand) {
   EXPECT_LT(greatest_difference(figure.m(), bend_path(figure.m(), walk, own, only).value(), walk), 0.03);
   const PathPoint one[] = {{1, 1}, {1, 1}};
   EXPECT_FALSE(bend_path(figure.m(), walk, one));
+}
+
+TEST(ToMeasured, JointsAreWhereLinksAre) {
+  for (const Figure& figure : {human_walk(), dog_trot()}) {
+    const MeasuredMotion measured = to_measured(figure.m(), figure.motion);
+    std::vector<Pose> X(at(figure.m().link_count())), Y;
+    for (int f = 0; f < figure.motion.frames; f += 5) {
+      calc_poses(figure.m(), {figure.motion.frame(f), at(figure.motion.nq)}, X);
+      measured.calc_joint_poses(f, Y);
+      for (std::size_t i = 0; i < X.size(); ++i) EXPECT_LT(norm(X[i].p - Y[i].p), 1e-9) << figure.m().links()[i].name;
+    }
+    // A body made of it moves alike.
+    const auto body = body::make_body(measured, {.level_floor = false});
+    ASSERT_TRUE(body);
+    EXPECT_LT(body::calc_position_error(*body, measured, body::to_motion(*body, measured)), 1e-5);
+  }
 }
 
 }  // namespace

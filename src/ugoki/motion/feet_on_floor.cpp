@@ -6,6 +6,7 @@
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
 #include "ugoki/motion/limb_reach.h"
+#include "ugoki/motion/pass_through.h"
 
 namespace ugoki {
 namespace {
@@ -52,23 +53,6 @@ double lowest_point(const Foot& foot, std::span<const Pose> X_WB) {
   for (std::size_t p = 0; p < foot.parts.size(); ++p)
     for (const SupportPoint& s : foot.points[p]) low = std::min(low, (X_WB[at(foot.parts[p])] * s.p).z - s.radius);
   return low;
-}
-
-/// x of least sum of weight (x - value)^2 + stiffness (x[i + 1] - x[i])^2: follows the values where they have weight, runs straight
-/// between, and level before the first and after the last. All zero without any weight.
-std::vector<double> pass_through(std::span<const double> value, std::span<const double> weight, double stiffness) {
-  const std::size_t n = value.size();
-  std::vector<double> x(n, 0.0), pivot(n);
-  if (std::all_of(weight.begin(), weight.end(), [](double w) { return !(w > 1e-3); })) return x;
-  for (std::size_t i = 0; i < n; ++i) {
-    pivot[i] = weight[i] + stiffness * ((i > 0 ? 1 : 0) + (i + 1 < n ? 1 : 0));
-    x[i] = weight[i] * value[i];
-    if (i == 0) continue;
-    pivot[i] -= stiffness * stiffness / pivot[i - 1];
-    x[i] += stiffness / pivot[i - 1] * x[i - 1];
-  }
-  for (std::size_t i = n; i-- > 0;) x[i] = (x[i] + (i + 1 < n ? stiffness * x[i + 1] : 0.0)) / pivot[i];
-  return x;
 }
 
 /// Fills `low` and `bears` of the feet.

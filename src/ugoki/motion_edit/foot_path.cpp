@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion/pass_through.h"
 #include "ugoki/motion_edit/foot_lock.h"
 
 namespace ugoki::motion_edit {
@@ -15,22 +16,6 @@ constexpr double lift_time = 0.02;      // s in which a foot follows the correct
 constexpr double twist_radius = 0.02;   // m: soles that bear on less than this are free to twist as the motion has it
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// x of least sum of weight (x - value)^2 + stiffness (x[i + 1] - x[i])^2.
-std::vector<double> pass_through(std::span<const double> value, std::span<const double> weight, double stiffness) {
-  const std::size_t n = value.size();
-  std::vector<double> x(n, 0.0), pivot(n);
-  if (std::all_of(weight.begin(), weight.end(), [](double w) { return !(w > 1e-3); })) return x;
-  for (std::size_t i = 0; i < n; ++i) {
-    pivot[i] = weight[i] + stiffness * ((i > 0 ? 1 : 0) + (i + 1 < n ? 1 : 0));
-    x[i] = weight[i] * value[i];
-    if (i == 0) continue;
-    pivot[i] -= stiffness * stiffness / pivot[i - 1];
-    x[i] += stiffness / pivot[i - 1] * x[i - 1];
-  }
-  for (std::size_t i = n; i-- > 0;) x[i] = (x[i] + (i + 1 < n ? stiffness * x[i + 1] : 0.0)) / pivot[i];
-  return x;
-}
 
 class Pinning {
  public:
