@@ -12,8 +12,8 @@ namespace ugoki::fmi {
 namespace {
 
 constexpr std::uint64_t most_bytes = std::uint64_t{2} << 30;
-constexpr std::uint64_t most_ratio = 1000;       // deflate reaches 1032
-constexpr std::uint64_t small_bytes = 1u << 20;  // what may be packed any way
+constexpr std::uint64_t most_ratio = 100;                       // of what is large
+constexpr std::uint64_t small_bytes = std::uint64_t{32} << 20;  // what may be packed any way
 constexpr zip_int64_t most_entries = 100'000;
 
 /// "a/b.c", never out of the folder into which it is unpacked, on no system.
@@ -43,6 +43,8 @@ struct Closer {
 
 }  // namespace
 
+bool is_zip(std::string_view bytes) { return bytes.starts_with("PK\x03\x04") || bytes.starts_with("PK\x05\x06"); }
+
 struct Archive::Body {
   std::string bytes, place;
   std::unique_ptr<zip_t, Closer> zip;
@@ -63,6 +65,8 @@ Result<Archive> Archive::open(std::string bytes, std::string_view place) {
   Body& b = *body;
   b.place = place;
   b.bytes = std::move(bytes);
+  if (!is_zip(b.bytes))
+    return fail(ErrorCode::syntax, b.place, "The file is no zip, so it is no FMU.", "Give a file that was exported as an FMU.");
   zip_error_t error;
   zip_error_init(&error);
   zip_source_t* source = zip_source_buffer_create(b.bytes.data(), b.bytes.size(), 0, &error);
@@ -162,6 +166,7 @@ Result<std::string> write_archive(const std::vector<std::pair<std::string, std::
     if (i < 0) continue;
     const auto index = static_cast<zip_uint64_t>(i);
     const zip_uint32_t mode = name.ends_with(".so") ? S_IFREG | 0755 : S_IFREG | 0644;
+    zip_set_file_compression(zip, index, ZIP_CM_DEFLATE, 1);
     zip_file_set_mtime(zip, index, moment, 0);
     zip_file_set_external_attributes(zip, index, 0, ZIP_OPSYS_UNIX, mode << 16);
   }

@@ -13,6 +13,9 @@
 
 namespace ugoki::fmi {
 
+/// True for the first bytes of a zip.
+[[nodiscard]] bool is_zip(std::string_view bytes);
+
 struct ArchiveEntry {
   std::string name;         ///< "binaries/linux64/ball.so": no absolute path, no way upwards
   std::uint64_t bytes = 0;  ///< unpacked
@@ -21,7 +24,7 @@ struct ArchiveEntry {
 class Archive {
  public:
   /// Keeps a copy of the bytes. Errors (place: `place`): no zip, damaged, encrypted, names that lead out of it, links, more than
-  /// 100,000 entries, or contents of more than 2 GiB or a thousand times the packed size.
+  /// 100,000 entries, or contents of more than 2 GiB or, if large, a hundred times the packed size.
   [[nodiscard]] static Result<Archive> open(std::string bytes, std::string_view place);
   Archive(Archive&&) noexcept;
   Archive& operator=(Archive&&) noexcept;

@@ -28,8 +28,6 @@ std::string words_of(const Unit& unit) { return unit.last_words().empty() ? "it 
 
 }  // namespace
 
-bool is_zip(std::string_view bytes) { return bytes.starts_with("PK\x03\x04") || bytes.starts_with("PK\x05\x06"); }
-
 void Fmu::begin(const char* what) const {
   if (phase_) phase_("The FMU '" + std::filesystem::path(path_).filename().string() + "' was being " + what);
 }

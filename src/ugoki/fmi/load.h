@@ -23,9 +23,6 @@ struct LoadedFmu {
   std::shared_ptr<void> code;              ///< the functions of `classes` work as long as this
 };
 
-/// True for the first bytes of a zip, which an FMU is.
-[[nodiscard]] bool is_zip(std::string_view bytes);
-
 /// Errors (place: the path): as those of Archive and read_model_description; no binary for this system.
 /// @param hash of `bytes`: the code is read from `path` later and must still be the same @param phase may be null
 [[nodiscard]] Result<LoadedFmu> load_fmu(const std::string& path, std::string bytes, std::string hash, Phase phase);

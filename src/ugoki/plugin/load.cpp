@@ -10,6 +10,7 @@
 #include "ugoki/base/sha256.h"
 #include "ugoki/circuit/setup.h"
 #include "ugoki/files/files.h"
+#include "ugoki/fmi/archive.h"
 #include "ugoki/fmi/load.h"
 #include "ugoki/plugin/declarations.h"
 #include "ugoki/plugin/guard.h"
@@ -109,6 +110,18 @@ Result<LoadedLibrary> load_library(const std::string& path, const std::string& h
     if (c.abi->create) c.make = create_object;
   out.code = std::move(*code);
   return out;
+}
+
+Result<void> try_library(const std::string& path) {
+  Result<std::string> bytes = files::read_file(path, most_bytes);
+  if (!bytes) return fail(std::move(bytes.error()));
+  if (fmi::is_zip(*bytes)) {
+    std::string hash = sha256(*bytes);
+    return fmi::try_fmu(path, std::move(*bytes), std::move(hash), set_phase);
+  }
+  const Result<LoadedLibrary> library = load_library(path);
+  if (!library) return fail(library.error());
+  return {};
 }
 
 }  // namespace ugoki::plugin

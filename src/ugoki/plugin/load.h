@@ -25,4 +25,7 @@ struct LoadedLibrary {
 /// @param hash not empty: refused if the file has another one
 [[nodiscard]] Result<LoadedLibrary> load_library(const std::string& path, const std::string& hash = {});
 
+/// Starts an FMU and ends it again; a shared library is only opened.
+[[nodiscard]] Result<void> try_library(const std::string& path);
+
 }  // namespace ugoki::plugin

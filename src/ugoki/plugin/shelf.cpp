@@ -6,7 +6,7 @@
 #include "ugoki/base/sha256.h"
 #include "ugoki/circuit/class_json.h"
 #include "ugoki/files/files.h"
-#include "ugoki/fmi/load.h"
+#include "ugoki/fmi/archive.h"
 #include "ugoki/json/fields.h"
 #include "ugoki/plugin/load.h"
 

@@ -1,0 +1,103 @@
+#include "ugoki/fmi/export.h"
+
+#include <algorithm>
+
+#include "ugoki/base/number.h"
+#include "ugoki/base/sha256.h"
+#include "ugoki/circuit/flatten.h"
+#include "ugoki/circuit/signal_lsis.h"
+#include "ugoki/fmi/archive.h"
+#include "ugoki/fmi/describe.h"
+#include "ugoki/fmi/interface.h"
+#include "ugoki/json/json.h"
+
+namespace ugoki::fmi {
+namespace {
+
+#if defined(__aarch64__)
+constexpr const char* folder2 = "binaries/aarch64-linux/";
+constexpr const char* folder3 = "binaries/aarch64-linux/";
+#else
+constexpr const char* folder2 = "binaries/linux64/";
+constexpr const char* folder3 = "binaries/x86_64-linux/";
+#endif
+
+/// A C identifier for the circuit's name.
+std::string identifier_of(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    const bool good = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+    if (good || (!out.empty() && out.back() != '_')) out += good ? c : '_';
+  }
+  while (!out.empty() && out.back() == '_') out.pop_back();
+  if (out.empty()) out = "circuit";
+  if (out[0] >= '0' && out[0] <= '9') out.insert(0, "c");
+  return out.substr(0, 60);
+}
+
+/// "{8-4-4-4-12}": the first digits of a hash of all that decides what the FMU does.
+std::string token_of(const std::string& content) {
+  const std::string h = sha256(content);
+  return "{" + h.substr(0, 8) + "-" + h.substr(8, 4) + "-" + h.substr(12, 4) + "-" + h.substr(16, 4) + "-" + h.substr(20, 12) + "}";
+}
+
+/// The LSIs that the binary has; the others need content, or are native code of somebody else.
+Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library& library, const circuit::Library& signals,
+                        const std::vector<circuit::LsiClass>& installed) {
+  circuit::Library all = library;
+  for (const circuit::LsiClass& c : installed)
+    if (!all.has(c.name)) all.add(c);
+  Error ignored, problems;
+  for (const circuit::FlatLsi& lsi : circuit::flatten(circuit, all, ignored).lsis) {
+    if (!lsi.lsi_class || lsi.id.starts_with("input:") || signals.has(lsi.lsi_class->name)) continue;
+    if (!lsi.lsi_class->from.empty())
+      problems.add(ErrorCode::unsupported, lsi.place,
+                   "'" + lsi.id + "' is of the installed library '" + lsi.lsi_class->from + "'. Its native code is not packed into an FMU.",
+                   "Export the circuit without it, and wire its part in the other tool; or build it of the program's own LSIs.");
+    else
+      problems.add(ErrorCode::unsupported, lsi.place,
+                   "'" + lsi.id + "' (LSI '" + lsi.lsi_class->name +
+                       "') works on the mechanisms and motions of content, which an FMU does not carry.",
+                   "Export the circuit without it; `ugoki run` plays content.");
+  }
+  if (!problems.empty()) return fail(std::move(problems));
+  return {};
+}
+
+}  // namespace
+
+Result<Exported> export_fmu(const circuit::Circuit& circuit, const circuit::Library& library,
+                            const std::vector<circuit::LsiClass>& installed, const ExportRequest& request) {
+  circuit::Library signals;
+  circuit::add_signal_lsis(signals);
+  if (Result<void> own = check_lsis(circuit, library, signals, installed); !own) return fail(std::move(own.error()));
+  Result<circuit::Interpreter> running = circuit::Interpreter::build(circuit, signals, nullptr, {.dt = request.dt});
+  if (!running) return fail(std::move(running.error()));
+  const Interface interface = make_interface(circuit, signals, *running);
+  const std::string text = circuit::write_circuit(circuit);
+  DescribeRequest description;
+  description.version = request.version;
+  description.dt = request.dt;
+  description.identifier = identifier_of(circuit.name);
+  description.token = token_of(text + to_text(request.dt) + std::to_string(request.version));
+  const std::string run = json::to_text(json::Json{{"dt", request.dt}, {"token", description.token}}, 1) + "\n";
+  const std::string binary = (request.version == 2 ? folder2 : folder3) + description.identifier + ".so";
+  Result<std::string> bytes = write_archive({{"modelDescription.xml", write_model_description(circuit, interface, description)},
+                                             {binary, std::string(request.binary)},
+                                             {"resources/" + std::string(circuit_file), text},
+                                             {"resources/" + std::string(run_file), run}},
+                                            circuit.name);
+  if (!bytes) return fail(std::move(bytes.error()));
+  Exported out;
+  out.bytes = std::move(*bytes);
+  out.identifier = description.identifier;
+  out.notes = interface.notes;
+  for (const InterfaceVariable& v : interface.variables) {
+    if (v.role == InterfaceRole::input || v.role == InterfaceRole::device) out.inputs.push_back(v.name);
+    if (v.role == InterfaceRole::output) out.outputs.push_back(v.name);
+    if (v.role == InterfaceRole::parameter) out.parameters.push_back(v.name);
+  }
+  return out;
+}
+
+}  // namespace ugoki::fmi

@@ -1,0 +1,110 @@
+// modelDescription.xml: what is refused, and how variables become pins.
+
+#include "fmi_test.h"
+#include "ugoki/fmi/declare.h"
+#include "ugoki/fmi/model_description.h"
+
+namespace ugoki::fmi {
+namespace {
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  if (at != std::string::npos) text.replace(at, from.size(), to);
+  return text;
+}
+std::string told(const std::string& xml) {
+  const auto d = read_model_description(xml, "x.fmu/modelDescription.xml");
+  return d ? "read" : d.error().text();
+}
+
+TEST(Description, WhatIsRefusedIsSaidWithItsLine) {
+  const std::string good = description_of("bouncing_ball", 3), two = description_of("bouncing_ball", 2);
+  EXPECT_EQ(told(good), "read");
+  EXPECT_EQ(told(two), "read");
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {replaced(good, "fmiVersion=\"3.0\"", "fmiVersion=\"3.0-beta.4\""), "FMI '3.0-beta.4'"},
+      {replaced(two, "fmiVersion=\"2.0\"", "fmiVersion=\"1.0\""), "FMI '1.0'; FMI 2.0 and 3.0 are read"},
+      {replaced(good, "<CoSimulation", "<ModelExchange"), "for model exchange only"},
+      {replaced(good, "<CoSimulation", "<ScheduledExecution"), "for scheduled execution only"},
+      {replaced(good, "modelIdentifier=\"BouncingBall\"", "modelIdentifier=\"../../evil\""), "no C identifier"},
+      {replaced(good, "instantiationToken", "guid"), "no instantiationToken"},
+      {replaced(good, "name=\"v\"", "name=\"h\""), "Two variables are called 'h'"},
+      {replaced(good, "valueReference=\"3\"", "valueReference=\"1\""), "Two variables have the value reference 1"},
+      {replaced(good, "valueReference=\"3\"", "valueReference=\"-3\""), "'v' has no value reference"},
+      {replaced(good, "valueReference=\"3\"", "valueReference=\"99999999999\""), "'v' has no value reference"},
+      {replaced(good, "causality=\"parameter\"", "causality=\"perimeter\""), "unknown causality, 'perimeter'"},
+      {replaced(good, "variability=\"tunable\"", "variability=\"tuneable\""), "unknown variability"},
+      {replaced(good, "start=\"-9.81\"", "start=\"much\""), "no value of its type: 'much'"},
+      {replaced(good, "start=\"-9.81\"", "start=\"NaN\""), "no value of its type: 'NaN'"},
+      {replaced(good, "min=\"0.5\"", "min=\"5\""), "upside down"},
+      {replaced(good, "min=\"0.5\"", "min=\"few\""), "is no number"},
+      {replaced(good, "fixedInternalStepSize=\"1e-3\"", "fixedInternalStepSize=\"-1\""), "not a positive time"},
+      {replaced(good, "declaredType=\"Position\"", "declaredType=\"Positron\""), "'Positron', which is not declared"},
+      {replaced(good, "canGetAndSetFMUState=\"true\"", "canGetAndSetFMUState=\"perhaps\""), "neither true nor false"},
+      {good.substr(0, good.size() / 2), "no XML"},
+      {"", "no XML"},
+      {"<a/>", "no <fmiModelDescription>"},
+  };
+  for (const auto& [xml, sentence] : cases)
+    EXPECT_NE(told(xml).find(sentence), std::string::npos) << told(xml) << "\nshould say: " << sentence;
+}
+
+TEST(Description, HostileXmlEndsSoon) {
+  // Entities are not opened, depth is no recursion, arrays have bounds.
+  const std::string good = description_of("naughty", 3);
+  std::string bomb = R"(<?xml version="1.0"?><!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>)";
+  EXPECT_NE(told(bomb + "<fmiModelDescription fmiVersion=\"&b;\"/>").find("FMI '&b;'"), std::string::npos);
+  std::string deep;
+  for (int i = 0; i < 1'000'000; ++i) deep += "<a>";
+  EXPECT_NE(told(deep).find("no XML"), std::string::npos);
+  std::string closed = deep;
+  for (int i = 0; i < 1'000'000; ++i) closed += "</a>";
+  EXPECT_NE(told(closed).find("no <fmiModelDescription>"), std::string::npos);
+  EXPECT_NE(told(replaced(good, "<Dimension start=\"3\"/>", "<Dimension start=\"4000000000\"/><Dimension start=\"4000000000\"/>"))
+                .find("too large"),
+            std::string::npos);
+  EXPECT_NE(told(replaced(good, "start=\"2\"", "start=\"1e300\"")).find("refers to no structural parameter"), std::string::npos);
+  EXPECT_NE(told(replaced(good, "<Dimension valueReference=\"7\"/>", "<Dimension valueReference=\"77\"/>"))
+                .find("refers to no structural parameter"),
+            std::string::npos);
+  EXPECT_NE(told(replaced(good, "start=\"0 0 0\"", "start=\"0 0\"")).find("2 starts for 3 elements"), std::string::npos);
+}
+
+TEST(Description, WhatHasNoPinIsNoted) {
+  const auto d = read_model_description(description_of("feedthrough", 3), "x");
+  ASSERT_TRUE(d) << d.error().text();
+  const Declarations declared = declare(*d);
+  ASSERT_EQ(declared.notes.size(), 1u);
+  EXPECT_EQ(declared.notes[0], "'Binary_input', 'Binary_output' are binary values or clocks, which no pin carries; they are left out.");
+  EXPECT_EQ(declared.classes.size(), 1u);
+  const circuit::LsiClass& c = declared.classes[0].lsi_class;
+  const circuit::Parameter& text = c.parameters[static_cast<std::size_t>(c.find_parameter("String_parameter"))];
+  EXPECT_EQ(text.kind, circuit::ParameterKind::text);
+  EXPECT_EQ(std::get<std::string>(text.initial), "Set me!");
+}
+
+TEST(Description, EnumerationsOfParametersAreChoices) {
+  const std::string xml = R"(<fmiModelDescription fmiVersion="3.0" modelName="m" instantiationToken="t"><CoSimulation modelIdentifier="m"/>
+    <TypeDefinitions><EnumerationType name="Mode"><Item name="off" value="-1"/><Item name="on" value="4"/></EnumerationType></TypeDefinitions>
+    <ModelVariables><Enumeration name="a.mode" valueReference="1" causality="parameter" variability="tunable" declaredType="Mode" start="4"/>
+    <Float64 name="a:mode" valueReference="2" causality="parameter" variability="fixed" start="1" min="-INF" max="2" unit="rad" displayUnit="deg" description="Angle"/>
+    <Int8 name="n" valueReference="3" causality="parameter" variability="fixed" start="5"/></ModelVariables></fmiModelDescription>)";
+  const auto d = read_model_description(xml, "x");
+  ASSERT_TRUE(d) << d.error().text();
+  const Declaration declared = declare(*d).classes[0];
+  const auto& p = declared.lsi_class.parameters;
+  EXPECT_EQ(p[0].name, "a:mode");
+  EXPECT_EQ(p[0].kind, circuit::ParameterKind::choice);
+  EXPECT_EQ(std::get<std::string>(p[0].initial), "on");
+  EXPECT_EQ(declared.parameters[0].choices, (std::vector<std::int64_t>{-1, 4}));
+  EXPECT_EQ(p[1].name, "a:mode'");
+  EXPECT_EQ(p[1].maximum, 2);
+  EXPECT_EQ(p[1].minimum, -1e300);
+  EXPECT_EQ(p[1].doc, "Angle (often shown in deg)");
+  EXPECT_EQ(p[2].kind, circuit::ParameterKind::integer);
+  EXPECT_EQ(p[3].name, "logging");
+}
+
+}  // namespace
+}  // namespace ugoki::fmi
