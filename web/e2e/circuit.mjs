@@ -2,60 +2,10 @@
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
+import { add, drag, head, ids, pin, spot, state, told, until } from './wiring.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const skip = mock && 'the mock runs no circuit';
-const state = (page) => page.evaluate(() => (window.ugoki?.connected ? window.ugoki.circuit() : null));
-const undo = (page) => page.evaluate(() => window.ugoki.undo());
-const ids = async (page) => (await state(page)).lsis.map((l) => l.id);
-
-async function until(page, ask, what, timeout = 20000) {
-  const end = Date.now() + timeout;
-  for (;;) {
-    const now = await state(page);
-    if (now && ask(now)) return now;
-    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${what}; it shows ${JSON.stringify(now)?.slice(0, 600)}`);
-    await page.waitForTimeout(60);
-  }
-}
-/** Waits until the service has the command of this name. */
-async function told(page, label) {
-  const end = Date.now() + 30000;
-  while (!label.test((await undo(page)).undo_label)) {
-    assert.ok(Date.now() < end, `${label}: ${(await undo(page)).undo_label}`);
-    await page.waitForTimeout(60);
-  }
-}
-const middle = (box) => ({ x: box.x + box.width / 2, y: box.y + box.height / 2 });
-async function pin(page, node, name, side) {
-  const box = await page.locator(`[data-lsi="${node}"] [data-pin="${node}.${name}"][data-side="${side}"] .react-flow__handle`).boundingBox();
-  assert.ok(box, `the pin ${node}.${name} is on screen`);
-  return middle(box);
-}
-async function drag(page, from, to) {
-  await page.mouse.move(from.x, from.y);
-  await page.mouse.down();
-  await page.mouse.move((from.x + to.x) / 2, (from.y + to.y) / 2 + 6, { steps: 4 });
-  await page.mouse.move(to.x, to.y, { steps: 6 });
-  await page.waitForTimeout(120);
-  await page.mouse.up();
-}
-const head = async (page, node) => {
-  const box = await page.locator(`[data-lsi="${node}"] .lsi-head`).boundingBox();
-  return { x: box.x + 20, y: box.y + box.height / 2 };
-};
-/** A place of the canvas where nothing is, by its share of width and height. */
-async function spot(page, x, y) {
-  const box = await page.locator('.circuit[role=application]').boundingBox();
-  return { x: box.x + box.width * x, y: box.y + box.height * y };
-}
-async function add(page, words, at) {
-  await page.mouse.dblclick(at.x, at.y);
-  await page.locator('.circuit-search input').waitFor();
-  await page.keyboard.type(words);
-  await page.keyboard.press('Enter');
-}
-
 const journeys = [
   {
     name: 'circuit: the generated execution circuit is shown with its LSIs, pins and wires',

@@ -5,6 +5,7 @@ import { fileURLToPath } from 'node:url';
 import assert from 'node:assert/strict';
 import { ready } from './browser.mjs';
 import { circuit_journeys } from './circuit.mjs';
+import { plugin_journeys } from './plugins.mjs';
 import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -435,6 +436,7 @@ export const journeys = [
     },
   },
   ...circuit_journeys,
+  ...plugin_journeys,
   {
     name: 'nothing went wrong in the page meanwhile',
     async run({ seen }) {

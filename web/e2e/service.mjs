@@ -9,6 +9,9 @@ const here = fileURLToPath(new URL('.', import.meta.url));
 export const program = process.env.UGOKI_BIN ?? join(here, '../../build/release/bin/ugoki');
 export const mock = process.env.UGOKI_MOCK === '1';
 
+/** Folder of the built page. */
+const web = process.env.UGOKI_WEB ?? join(here, '../dist');
+
 export const available = mock || existsSync(program);
 
 /** Starts it and waits for the address that it prints. */
@@ -21,7 +24,7 @@ export async function start_service() {
     const project = join(folder, 'sample.ugoki');
     const made = spawnSync(program, ['new', project], { env, cwd: folder, encoding: 'utf8' });
     if (made.status !== 0) throw new Error(`ugoki new ended with ${made.status}: ${made.stderr}${made.stdout}`);
-    child = spawn(program, ['studio', project, '--port', '0', '--no-open', '--web', join(here, '../dist'), '--library', join(folder, 'library.db')], { env, cwd: folder });
+    child = spawn(program, ['studio', project, '--port', '0', '--no-open', '--web', web, '--library', join(folder, 'library.db')], { env, cwd: folder });
   }
   let said = '';
   const address = await new Promise((resolve, reject) => {
@@ -39,6 +42,11 @@ export async function start_service() {
   });
   return {
     address,
+    /** Its own, which journeys may write to. */
+    folder,
+    /** Another process of the program, in the same surroundings: what a user does on the command line. */
+    run: (arguments_, input) => spawnSync(program, arguments_, { env, cwd: folder, encoding: 'utf8', input }),
+    spawn: (arguments_) => spawn(program, arguments_, { env, cwd: folder, stdio: 'ignore' }),
     said: () => said,
     stop: () =>
       new Promise((resolve) => {

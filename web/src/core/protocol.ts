@@ -1,6 +1,6 @@
 /** Messages between the page and the service: docs/studio-protocol.md, type by type. */
 import type { LsiClass, PinType } from './circuit/classes';
-import type { Circuit } from './circuit/form';
+import type { Change, Circuit } from './circuit/form';
 import type { ValuesEvent } from './circuit/live';
 import type { Command, ScenarioDocument } from './document';
 
@@ -94,6 +94,13 @@ export interface HelloReply extends DocumentState {
   choices?: unknown;
   lsis?: LsisEvent | null;
   circuit_problems?: Problem[];
+  stopped?: StoppedEvent | null;
+}
+
+export interface StoppedEvent {
+  reason: string;
+  /** The same, each with its place: an LSI's flat id, an output of it, or something else. */
+  problems?: Problem[];
 }
 
 export interface LogLine {
@@ -103,6 +110,7 @@ export interface LogLine {
 
 export type ServiceEvent =
   | ({ event: 'document'; unsaved: boolean } & DocumentState)
+  | ({ event: 'edited'; unsaved: boolean; from: number; changes: Change[] } & Omit<DocumentState, 'document' | 'generated_circuit'>)
   | ({ event: 'transport' } & Transport)
   | ({ event: 'summary' } & Summary)
   | ({ event: 'log' } & LogLine)
@@ -110,7 +118,7 @@ export type ServiceEvent =
   | ({ event: 'lsis' } & LsisEvent)
   | { event: 'circuit'; problems: Problem[] }
   | ({ event: 'values' } & ValuesEvent)
-  | { event: 'stopped'; reason: string };
+  | ({ event: 'stopped' } & StoppedEvent);
 
 export type Request =
   | { op: 'hello' }

@@ -356,7 +356,8 @@ export class Session {
       transport: { ...this.state.transport, ...hello.transport },
       circuit_problems: hello.circuit_problems ?? [],
       view,
-      stopped: null,
+      stopped: hello.stopped?.reason ?? null,
+      stop_problems: hello.stopped?.problems ?? [],
     });
   }
 
@@ -385,9 +386,20 @@ export class Session {
         if (project) this.set({ project: { ...project, unsaved: event.unsaved } });
         break;
       }
+      case 'edited': {
+        // the circuit's own changes instead of all of it; who missed one asks for the whole again
+        if (event.from === this.state.revision && this.state.document) {
+          const command = { type: 'circuit.edit', label: '', changes: event.changes } as const;
+          this.take_document({ ...event, document: apply_command(this.state.document, command, this.state.generated) });
+          const { project } = this.state;
+          if (project) this.set({ project: { ...project, unsaved: event.unsaved } });
+        } else if (event.revision !== this.state.revision) void this.request({ op: 'hello' }).then((hello) => hello && this.connected(hello as unknown as HelloReply));
+        break;
+      }
       case 'transport': {
         const { event: _name, ...transport } = event;
         if (transport.mode !== this.state.transport.mode) this.set({ summary: initial_state.summary });
+        if ((transport.playing || transport.status === 'ready') && this.state.stop_problems.length > 0) this.set({ stopped: null, stop_problems: [] });
         if (transport.playing) this.wanted_speed = null;
         else if (this.wanted_speed !== null) transport.speed = this.wanted_speed;
         this.set({ transport: { ...this.state.transport, ...transport } });
@@ -412,7 +424,7 @@ export class Session {
         this.log(event.level, event.text);
         break;
       case 'stopped':
-        this.set({ stopped: event.reason });
+        this.set({ stopped: event.reason, stop_problems: event.problems ?? [] });
         this.log('error', event.reason);
         break;
     }

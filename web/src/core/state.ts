@@ -59,8 +59,10 @@ export interface StudioState {
   /** Why the circuit does not run. */
   circuit_problems: Problem[];
   log: LoggedLine[];
-  /** Reason why the interpreter stopped, until the next start. */
+  /** Reason why the interpreter stopped, until the next start or until it was read. */
   stopped: string | null;
+  /** What stopped it, by place, until it runs again. */
+  stop_problems: Problem[];
   library: LibraryEntry[];
   library_state: 'loading' | 'ready' | 'failed';
   mechanisms: Record<string, MechanismData>;
@@ -103,6 +105,7 @@ export const initial_state: StudioState = {
   circuit_problems: [],
   log: [],
   stopped: null,
+  stop_problems: [],
   library: [],
   library_state: 'loading',
   mechanisms: {},

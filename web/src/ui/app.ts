@@ -30,9 +30,9 @@ export const session = new Session({
 
 export const circuit = new CircuitEditor({ edit: (command) => session.edit(command), notify: (text) => session.notify(text) });
 session.store.subscribe((state, before) => {
-  if (state.document === before.document && state.preview === before.preview && state.generated === before.generated && state.classes === before.classes && state.circuit_problems === before.circuit_problems) return;
+  if (state.document === before.document && state.preview === before.preview && state.generated === before.generated && state.classes === before.classes && state.circuit_problems === before.circuit_problems && state.stop_problems === before.stop_problems) return;
   const shown = shown_circuit(state);
-  circuit.show(shown.circuit, shown.edited, state.classes, state.circuit_problems);
+  circuit.show(shown.circuit, shown.edited, state.classes, state.circuit_problems, state.stop_problems);
 });
 // what is selected last, there or elsewhere in the page, is what the inspector shows
 circuit.store.subscribe((state, before) => {

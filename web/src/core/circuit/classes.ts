@@ -62,6 +62,13 @@ export class ClassList {
     readonly pin_types: readonly PinType[] = [],
   ) {
     this.by_name = new Map(all.map((c) => [c.name, c]));
+    // the short name of an installed one, where only one library has it
+    const short = new Map<string, LsiClass | null>();
+    for (const c of all) {
+      const name = c.from ? c.name.slice(c.from.length + 1) : '';
+      if (name) short.set(name, short.has(name) ? null : c);
+    }
+    for (const [name, c] of short) if (c && !this.by_name.has(name)) this.by_name.set(name, c);
     this.types = new Map(pin_types.map((t) => [t.name, t]));
   }
   find(name: string): LsiClass | undefined {

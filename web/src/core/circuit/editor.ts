@@ -7,7 +7,7 @@ import type { CircuitCommand, Clip } from './edits';
 import { pins_that_fit, same_pin, why_not, type PinAt } from './fits';
 import { reconcile, split_end, type Circuit, type Point, type Value } from './form';
 import { describe_node, describe_pin, first_pin, next_node, next_pin, type Direction } from './navigate';
-import { place_problems, problems_at, split_flat, type CircuitProblem } from './problems';
+import { place_problems, place_stops, problems_at, split_flat, type CircuitProblem } from './problems';
 import { enter, find_circuit, grid, inputs_node, note_id, outputs_node, View, type Level, type ViewWire } from './view';
 
 export interface EditorState {
@@ -46,6 +46,7 @@ export class CircuitEditor {
   private raw: Circuit | null = null;
   private classes: ClassList | null = null;
   private told: readonly Problem[] = [];
+  private stops: readonly Problem[] = [];
   /** Places while nodes are dragged; what draws wires looks here first. */
   drag: ReadonlyMap<string, Point> | null = null;
   private clip: Clip | null = null;
@@ -69,18 +70,18 @@ export class CircuitEditor {
   // ---- what is shown ----
 
   /** The circuit as the project has it, or as it is generated. */
-  show(circuit: Circuit | null, edited: boolean, classes: ClassList, problems: readonly Problem[]): void {
-    if (circuit === this.raw && classes === this.classes && problems === this.told && edited === this.state.edited) return;
+  show(circuit: Circuit | null, edited: boolean, classes: ClassList, problems: readonly Problem[], stops: readonly Problem[] = []): void {
+    if (circuit === this.raw && classes === this.classes && problems === this.told && stops === this.stops && edited === this.state.edited) return;
+    const next = circuit && reconcile(this.circuit, circuit);
+    const same = next === this.circuit && classes === this.classes && this.state.view !== null;
     this.raw = circuit;
     this.classes = classes;
-    const next = circuit && reconcile(this.circuit, circuit);
     this.circuit = next;
-    if (problems !== this.told || next) {
-      this.told = problems;
-      this.set({ problems: next ? place_problems(next, problems) : [] });
-    }
-    this.set({ edited });
-    this.look(this.state.path);
+    this.told = problems;
+    this.stops = stops;
+    if (problems.length + stops.length + this.state.problems.length > 0) this.set({ problems: next ? [...place_problems(next, problems), ...place_stops(next, stops)] : [] });
+    if (edited !== this.state.edited) this.set({ edited });
+    if (!same) this.look(this.state.path);
   }
 
   private look(path: readonly string[]): void {

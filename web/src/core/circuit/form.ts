@@ -120,9 +120,51 @@ export function tidy_lsi(lsi: Lsi): Lsi {
 
 const same_path = (a: string[], b: string[]): boolean => a.length === b.length && a.every((name, i) => name === b[i]);
 
+/** More changes of a list than this are worth an index of it. */
+const most_scans = 12;
+
+/** A list while it is changed. */
+class OpenList {
+  readonly items: (unknown | null)[];
+  private readonly places: Map<string, number> | null;
+  constructor(
+    private readonly list: ListName,
+    items: readonly unknown[],
+    indexed: boolean,
+  ) {
+    this.items = [...items];
+    this.places = indexed ? new Map(items.map((item, i) => [key_of(list, item), i])) : null;
+  }
+  private find(item: unknown): number {
+    if (this.places) return this.places.get(key_of(this.list, item)) ?? -1;
+    if (this.list === 'wires') {
+      const { from, to } = item as Wire;
+      return this.items.findIndex((w) => w !== null && (w as Wire).from === from && (w as Wire).to === to);
+    }
+    const key = key_of(this.list, item);
+    return this.items.findIndex((other) => other !== null && key_of(this.list, other) === key);
+  }
+  put(item: unknown): void {
+    const at = this.find(item);
+    if (at >= 0) this.items[at] = item;
+    else {
+      this.places?.set(key_of(this.list, item), this.items.length);
+      this.items.push(item);
+    }
+  }
+  take(item: unknown): void {
+    const at = this.find(item);
+    if (at < 0) return;
+    this.items[at] = null;
+    this.places?.delete(key_of(this.list, item));
+  }
+}
+
 function apply_here(circuit: Circuit, changes: readonly Change[]): Circuit {
   const out = { ...circuit } as unknown as Record<string, unknown>;
-  const open = new Map<ListName, { items: (unknown | null)[]; index: Map<string, number> }>();
+  const open = new Map<ListName, OpenList>();
+  const counts = new Map<ListName, number>();
+  for (const change of changes) if ('list' in change) counts.set(change.list, (counts.get(change.list) ?? 0) + 1);
   for (const change of changes) {
     if ('set' in change) {
       for (const [field, value] of Object.entries(change.set)) {
@@ -133,21 +175,11 @@ function apply_here(circuit: Circuit, changes: readonly Change[]): Circuit {
     }
     let list = open.get(change.list);
     if (!list) {
-      const items = [...((out[change.list] as unknown[] | undefined) ?? [])];
-      list = { items, index: new Map(items.map((item, i) => [key_of(change.list, item), i])) };
+      list = new OpenList(change.list, (out[change.list] as unknown[] | undefined) ?? [], counts.get(change.list)! > most_scans);
       open.set(change.list, list);
     }
-    const key = key_of(change.list, 'put' in change ? change.put : change.take);
-    const at = list.index.get(key);
-    if ('put' in change) {
-      if (at === undefined) {
-        list.index.set(key, list.items.length);
-        list.items.push(change.put);
-      } else list.items[at] = change.put;
-    } else if (at !== undefined) {
-      list.items[at] = null;
-      list.index.delete(key);
-    }
+    if ('put' in change) list.put(change.put);
+    else list.take(change.take);
   }
   for (const [name, list] of open) out[name] = list.items.filter((item) => item !== null);
   return out as unknown as Circuit;
@@ -171,6 +203,15 @@ export function apply_changes(circuit: Circuit, changes: readonly Change[]): Cir
   return out;
 }
 
+/** Equal as data, in any order of fields. */
+function equal(a: unknown, b: unknown): boolean {
+  if (a === b) return true;
+  if (typeof a !== 'object' || typeof b !== 'object' || a === null || b === null || Array.isArray(a) !== Array.isArray(b)) return false;
+  const [x, y] = [a as Record<string, unknown>, b as Record<string, unknown>];
+  const keys = Object.keys(x);
+  return keys.length === Object.keys(y).length && keys.every((k) => k in y && equal(x[k], y[k]));
+}
+
 /** `next`, with every item that is equal to one of `before` being that very object: what did not change need not be drawn again. */
 export function reconcile(before: Circuit | null, next: Circuit): Circuit {
   if (!before || before === next) return next;
@@ -179,21 +220,27 @@ export function reconcile(before: Circuit | null, next: Circuit): Circuit {
     const items = next[list] as unknown[] | undefined;
     const old = before[list] as unknown[] | undefined;
     if (!items || !old) continue;
-    const by_key = new Map(old.map((item) => [key_of(list, item), item]));
+    if (items === old) continue;
+    let by_key: Map<string, unknown> | null = null;
     let all = items.length === old.length;
     const kept = items.map((item, i) => {
-      const twin = by_key.get(key_of(list, item));
-      const same = twin !== undefined && JSON.stringify(twin) === JSON.stringify(item) ? twin : item;
-      all &&= same === old[i];
-      return same;
+      if (item === old[i] || equal(item, old[i])) return old[i]; // in its place, as nearly always
+      const twin = (by_key ??= new Map(old.map((o) => [key_of(list, o), o]))).get(key_of(list, item));
+      all = false;
+      return twin !== undefined && equal(twin, item) ? twin : item;
     });
     out[list] = all ? old : kept;
   }
   if (next.circuits && before.circuits) {
     const by_name = new Map(before.circuits.map((c) => [c.name, c]));
-    out.circuits = next.circuits.map((c) => reconcile(by_name.get(c.name) ?? null, c));
+    const inner = next.circuits.map((c) => reconcile(by_name.get(c.name) ?? null, c));
+    const all = inner.length === before.circuits.length && inner.every((c, i) => c === before.circuits![i]);
+    out.circuits = all ? before.circuits : inner;
   }
-  return out as unknown as Circuit;
+  const fields = before as unknown as Record<string, unknown>;
+  const names = Object.keys(out);
+  const same = names.length === Object.keys(fields).length && names.every((name) => out[name] === fields[name] || (name.endsWith('_at') && equal(out[name], fields[name])));
+  return same ? before : (out as unknown as Circuit);
 }
 
 /** An id that `taken` does not have, from a name: "low-pass", "low-pass-2". */

@@ -8,6 +8,10 @@ export interface CircuitProblem extends Problem {
   lsi: string;
   /** Ends of the wires along which values go round: "a.out" → "b.in", flat. */
   loop: { from: string; to: string }[];
+  /** It ran and was stopped by this; false: it cannot run. */
+  stopped?: boolean;
+  /** The output at fault, of what was stopped. */
+  pin?: string;
 }
 
 /** Flat id of what a JSON path names: "circuit/lsis/3(arm)/lsis/0/type", "circuit/wires/2/to". */
@@ -58,6 +62,16 @@ export function place_problems(top: Circuit, problems: readonly Problem[]): Circ
     const flat = by_path ?? (place === 'circuit' ? '' : split_end(place)[0]);
     const known = by_path !== null || enter(top, flat.split('/').slice(0, -1)).circuit.lsis?.some((l) => l.id === flat.split('/').at(-1));
     return { ...p, lsi: known ? flat : '', loop };
+  });
+}
+
+/** What stopped the running circuit, where its place is an LSI. */
+export function place_stops(top: Circuit, problems: readonly Problem[]): CircuitProblem[] {
+  return problems.flatMap((p) => {
+    const [flat, pin] = split_flat(p.place ?? '');
+    const ids = flat.split('/');
+    const known = enter(top, ids.slice(0, -1)).circuit.lsis?.some((l) => l.id === ids.at(-1));
+    return known ? [{ ...p, lsi: flat, loop: [], stopped: true, ...(pin ? { pin } : {}) }] : [];
   });
 }
 

@@ -1,7 +1,8 @@
 /** What can be added to a circuit, searched by words, and narrowed to what fits the pin that a wire was drawn from. */
 import type { ClassList } from './classes';
 import { types_fit, type PinAt } from './fits';
-import { circuit_pins, class_pins, type Level, type View } from './view';
+import { circuit_pins, class_pins } from './pins';
+import { type Level, type View } from './view';
 
 export interface Candidate {
   type: string;

@@ -1,39 +1,29 @@
-/** What is seen of one level of a circuit: nodes with their pins and sizes, wires with their curves. Framework-free; pixels of the circuit's plane. */
-import { type ClassList, type LsiClass } from './classes';
-import { ends_of, split_end, type Circuit, type Lsi, type Note, type OwnPin, type Point, type Probe } from './form';
+/**
+ * What is seen of one level of a circuit: nodes with their pins and sizes, wires with their ends. A view is made from the one before:
+ * what did not change stays the same object and costs nothing.
+ */
+import type { ClassList } from './classes';
+import { ends_of, split_end, type Circuit, type Lsi, type Note, type Point, type Probe } from './form';
+import { grid, note_size, pin_point, probe_size, size_of } from './geometry';
+import { find_circuit, same_types, type Level } from './level';
+import { circuit_pins, class_pins, own_info, same_pins, type PinInfo, type Pins } from './pins';
+import { SpatialIndex } from './spatial';
 
-export const grid = 10;
-export const head_height = 34;
-export const row_height = 22;
-const foot = 8;
-const least_width = 160;
-const most_width = 280;
+export * from './geometry';
+export { enter, find_circuit, flat_pin, type Level } from './level';
+export type { PinInfo } from './pins';
 
 /** Ids of the nodes that stand for the circuit's own pins; no LSI can be called so. */
 export const inputs_node = '<inputs>';
 export const outputs_node = '<outputs>';
 /** The pin of those nodes from which a new own pin is drawn. */
 export const new_pin = '<new>';
-
-export interface PinInfo {
-  name: string;
-  type: string;
-  side: 'in' | 'out';
-  unit: string;
-  doc: string;
-  /** inputs */
-  required: boolean;
-  multiple: boolean;
-  direct: boolean;
-  /** outputs */
-  delayed: boolean;
-  wired: boolean;
-  count: number;
-}
+export const note_id = (id: string): string => `note:${id}`;
+export const probe_id = (pin: string): string => `probe:${pin}`;
 
 export type NodeKind = 'class' | 'circuit' | 'missing' | 'inputs' | 'outputs';
 
-export interface ViewNode {
+export interface ViewNode extends Pins {
   id: string;
   kind: NodeKind;
   title: string;
@@ -42,8 +32,6 @@ export interface ViewNode {
   doc: string;
   note: string;
   lsi: Lsi | null;
-  inputs: PinInfo[];
-  outputs: PinInfo[];
   x: number;
   y: number;
   width: number;
@@ -61,161 +49,233 @@ export interface ViewWire {
   delayed: boolean;
   /** One of its ends is not there. */
   broken: boolean;
+  /** Where it begins and ends. */
+  a: Point;
+  b: Point;
 }
 
-/** A circuit as it is looked at: by the ids of the LSIs that were entered, and by the names under which it is stored. */
-export interface Level {
-  circuit: Circuit;
-  /** Ids of the entered LSIs, from the outermost circuit inwards: prefix of flat ids. */
-  path: string[];
-  /** Names of circuits: where changes go. */
-  names: string[];
-  /** Enclosing circuits from the outermost to this one: where types are looked up. */
-  scope: { circuit: Circuit; names: string[] }[];
+/** What a type of LSI looks like, before it is wired. */
+interface Template extends Pins {
+  kind: NodeKind;
+  doc: string;
 }
 
-export function find_circuit(level: Level, type: string): { circuit: Circuit; names: string[] } | null {
-  for (let i = level.scope.length - 1; i >= 0; i--) {
-    const at = level.scope[i]!;
-    const found = at.circuit.circuits?.find((c) => c.name === type);
-    if (found) return { circuit: found, names: [...at.names, type] };
-  }
-  return null;
+const nothing: Template = { kind: 'missing', doc: '', inputs: [], outputs: [] };
+
+/** For each item of `next` the index of the same object in `old`, or -1; and which of `old` are gone. */
+function match<T extends object>(old: readonly T[], next: readonly T[]): { from: Int32Array; gone: number[] } {
+  const from = new Int32Array(next.length).fill(-1);
+  const seen = new Uint8Array(old.length);
+  let where: Map<T, number> | null = null;
+  let j = 0;
+  next.forEach((item, i) => {
+    let k: number | undefined = old[j] === item ? j : undefined;
+    if (k === undefined && j < old.length) k = (where ??= new Map(old.map((o, at) => [o, at]))).get(item);
+    if (k === undefined) return;
+    from[i] = k;
+    seen[k] = 1;
+    j = k + 1;
+  });
+  const gone: number[] = [];
+  seen.forEach((s, at) => s || gone.push(at));
+  return { from, gone };
 }
-
-/** The level that `path` leads to, or the deepest one on the way that exists. */
-export function enter(top: Circuit, path: readonly string[]): Level {
-  let level: Level = { circuit: top, path: [], names: [], scope: [{ circuit: top, names: [] }] };
-  for (const id of path) {
-    const lsi = level.circuit.lsis?.find((l) => l.id === id);
-    const inner = lsi && find_circuit(level, lsi.type);
-    if (!inner || level.scope.some((s) => s.circuit === inner.circuit)) break;
-    level = { circuit: inner.circuit, path: [...level.path, id], names: inner.names, scope: [...level.scope, inner] };
-  }
-  return level;
-}
-
-const input_info = (pin: LsiClass['inputs'][number]): PinInfo => ({
-  name: pin.name, type: pin.type, side: 'in', unit: pin.unit ?? '', doc: pin.doc ?? '',
-  required: pin.required ?? true, multiple: pin.multiple ?? false, direct: pin.direct ?? true, delayed: false, wired: false, count: pin.count ?? 0,
-});
-const output_info = (pin: LsiClass['outputs'][number]): PinInfo => ({
-  name: pin.name, type: pin.type, side: 'out', unit: pin.unit ?? '', doc: pin.doc ?? '',
-  required: false, multiple: true, direct: true, delayed: pin.delayed ?? false, wired: false, count: pin.count ?? 0,
-});
-const own_info = (pin: OwnPin, side: 'in' | 'out'): PinInfo => ({
-  name: pin.name, type: pin.type, side, unit: pin.unit ?? '', doc: pin.doc ?? '',
-  required: false, multiple: side === 'out', direct: true, delayed: false, wired: false, count: 0,
-});
-
-/** Pins of an LSI class as a node has them. */
-export const class_pins = (c: LsiClass): { inputs: PinInfo[]; outputs: PinInfo[] } => ({ inputs: c.inputs.map(input_info), outputs: c.outputs.map(output_info) });
-/** Pins that a circuit has when it is used as an LSI. */
-export const circuit_pins = (c: Circuit): { inputs: PinInfo[]; outputs: PinInfo[] } => ({
-  inputs: (c.inputs ?? []).map((p) => ({ ...own_info(p, 'in'), required: true })),
-  outputs: (c.outputs ?? []).map((p) => own_info(p, 'out')),
-});
-
-/** About the width of a text in the page's font at 13 px. */
-const text_width = (text: string, size = 13): number => text.length * size * 0.56;
-
-const up = (value: number): number => Math.ceil(value / grid) * grid;
-
-function size_of(node: Pick<ViewNode, 'title' | 'inputs' | 'outputs' | 'kind'>): { width: number; height: number } {
-  const rows = Math.max(node.inputs.length, node.outputs.length);
-  let widest = text_width(node.title) + (node.kind === 'class' || node.kind === 'circuit' ? 74 : 28);
-  for (let i = 0; i < rows; i++) widest = Math.max(widest, text_width(node.inputs[i]?.name ?? '', 12) + text_width(node.outputs[i]?.name ?? '', 12) + 48);
-  return { width: up(Math.min(most_width, Math.max(least_width, widest))), height: head_height + Math.max(1, rows) * row_height + foot };
-}
-
-/** Middle of pin `index` of a side, from the node's corner. */
-export const pin_offset = (node: ViewNode, side: 'in' | 'out', index: number): Point => [side === 'in' ? 0 : node.width, head_height + row_height * (index + 0.5) + foot / 2];
 
 export class View {
   readonly nodes: ViewNode[] = [];
   readonly wires: ViewWire[] = [];
-  private readonly by_id = new Map<string, ViewNode>();
-  private readonly by_pin = new Map<string, ViewWire[]>();
+  readonly index: SpatialIndex<ViewNode>;
+  private readonly by_id: Map<string, ViewNode>;
+  private readonly by_node: Map<string, readonly ViewWire[]>;
+  private readonly templates: Map<string, Template>;
 
   constructor(
     readonly level: Level,
     readonly classes: ClassList,
     before?: View,
   ) {
-    const { circuit } = level;
-    const pins = new Map<string, { kind: NodeKind; doc: string; inputs: PinInfo[]; outputs: PinInfo[] }>();
-    for (const lsi of circuit.lsis ?? []) {
-      const inner = find_circuit(level, lsi.type);
-      const found = inner ? null : classes.find(lsi.type);
-      if (inner) pins.set(lsi.id, { kind: 'circuit', doc: inner.circuit.doc ?? '', ...circuit_pins(inner.circuit) });
-      else if (found) pins.set(lsi.id, { kind: 'class', doc: found.doc ?? '', ...class_pins(found) });
-      else pins.set(lsi.id, { kind: 'missing', doc: '', inputs: [], outputs: [] });
-    }
-    if (circuit.inputs?.length || level.path.length > 0) pins.set(inputs_node, { kind: 'inputs', doc: '', inputs: [], outputs: (circuit.inputs ?? []).map((p) => own_info(p, 'out')) });
-    if (circuit.outputs?.length || level.path.length > 0) pins.set(outputs_node, { kind: 'outputs', doc: '', inputs: (circuit.outputs ?? []).map((p) => own_info(p, 'in')), outputs: [] });
-    if (level.path.length > 0) {
-      pins.get(inputs_node)!.outputs.push({ ...own_info({ name: new_pin, type: 'any' }, 'out') });
-      pins.get(outputs_node)!.inputs.push({ ...own_info({ name: new_pin, type: 'any' }, 'in') });
-    }
+    const old = before?.classes === classes && same_types(before.level, level) ? before : undefined;
+    this.templates = old?.templates ?? new Map();
+    this.by_id = new Map(old?.by_id);
+    this.by_node = new Map(old?.by_node);
+    const lsis = level.circuit.lsis ?? [];
 
-    const add_wire = (from: string, from_pin: string, to: string, to_pin: string): void => {
-      const source = this.pin_in(pins.get(from), 'out', from_pin);
-      const target = this.pin_in(pins.get(to), 'in', to_pin);
-      if (source) source.wired = true;
-      if (target) target.wired = true;
+    // LSIs: those that are the very same objects keep their nodes, unless a wire at them changed
+    const kept = match(old?.level.circuit.lsis ?? [], lsis);
+    const touched = new Set<string>();
+    const retyped = new Set<string>();
+    const given = new Map<string, Lsi>();
+    for (const at of kept.gone) retyped.add(old!.nodes[at]!.id);
+    lsis.forEach((lsi, i) => {
+      if (kept.from[i]! >= 0) return;
+      touched.add(lsi.id);
+      given.set(lsi.id, lsi);
+      if (old?.by_id.get(lsi.id)?.lsi?.type === lsi.type) retyped.delete(lsi.id);
+      else retyped.add(lsi.id);
+    });
+    for (const at of kept.gone) {
+      const { id } = old!.nodes[at]!;
+      if (!given.has(id)) this.by_id.delete(id);
+    }
+    const own = this.own_templates(level.circuit);
+    const template = (id: string): Template | undefined => {
+      const side = own.get(id);
+      if (side) return side;
+      const lsi = given.get(id) ?? this.by_id.get(id)?.lsi;
+      return lsi ? this.template(lsi.type) : undefined;
+    };
+
+    // wires
+    const born: ViewWire[] = [];
+    const gone = this.take_wires(old, retyped, template, born);
+    for (const list of [gone, born]) for (const w of list) touched.add(w.from).add(w.to);
+    this.relist(gone, born);
+
+    // nodes, and where they went
+    const moved = new Set<string>();
+    const left: ViewNode[] = [];
+    const come: ViewNode[] = [];
+    const put = (node: Omit<ViewNode, 'width' | 'height'>): ViewNode => {
+      const sized: ViewNode = { ...node, ...size_of(node) };
+      const twin = before?.node(node.id);
+      const same = twin && same_node(twin, sized) ? twin : sized;
+      this.by_id.set(same.id, same);
+      const was = old?.by_id.get(same.id);
+      if (was === same) return same;
+      moved.add(same.id);
+      if (was) left.push(was);
+      come.push(same);
+      return same;
+    };
+    for (const at of kept.gone) if (!given.has(old!.nodes[at]!.id)) left.push(old!.nodes[at]!);
+    lsis.forEach((lsi, i) => {
+      if (kept.from[i]! >= 0 && !touched.has(lsi.id)) this.nodes.push(old!.nodes[kept.from[i]!]!);
+      else this.nodes.push(put({ id: lsi.id, ...this.wired_pins(lsi.id, this.template(lsi.type)), ...words_of(lsi), lsi, x: lsi.at?.[0] ?? 0, y: lsi.at?.[1] ?? 0 }));
+    });
+    this.put_own(own, put);
+    for (const id of [inputs_node, outputs_node]) {
+      const was = old?.by_id.get(id);
+      if (was && !own.has(id)) {
+        left.push(was);
+        this.by_id.delete(id);
+      }
+    }
+    this.index = old ? old.index.replaced(left, come) : new SpatialIndex(this.nodes);
+    this.lay_wires(moved, new Set(born));
+  }
+
+  /** Fills `wires`: those of before where nothing at them changed. @return the ones of before that are no more */
+  private take_wires(old: View | undefined, retyped: ReadonlySet<string>, template: (id: string) => Template | undefined, born: ViewWire[]): ViewWire[] {
+    const { circuit } = this.level;
+    const plain = circuit.wires ?? [];
+    const was = old?.level.circuit.wires ?? [];
+    const kept = match(was, plain);
+    const gone = kept.gone.map((at) => old!.wires[at]!);
+    const make = (from: string, from_pin: string, to: string, to_pin: string): void => {
+      const source = pin_in(template(from), 'out', from_pin);
+      const target = pin_in(template(to), 'in', to_pin);
       const wire: ViewWire = {
         key: `${from}.${from_pin}\n${to}.${to_pin}`, from, from_pin, to, to_pin,
-        type: source?.type ?? target?.type ?? 'any', delayed: source?.delayed ?? false, broken: !source || !target,
+        type: source?.type ?? target?.type ?? 'any', delayed: source?.delayed ?? false, broken: !source || !target, a: [0, 0], b: [0, 0],
       };
+      born.push(wire);
       this.wires.push(wire);
-      this.index(`out ${from}.${from_pin}`, wire);
-      this.index(`in ${to}.${to_pin}`, wire);
     };
-    for (const wire of circuit.wires ?? []) add_wire(...split_end(wire.from), ...split_end(wire.to));
-    for (const pin of circuit.inputs ?? []) for (const end of ends_of(pin.to)) add_wire(inputs_node, pin.name, ...split_end(end));
-    for (const pin of circuit.outputs ?? []) for (const end of ends_of(pin.from)) add_wire(...split_end(end), outputs_node, pin.name);
+    plain.forEach((wire, i) => {
+      const twin = kept.from[i]! >= 0 ? old!.wires[kept.from[i]!]! : undefined;
+      if (twin && (retyped.size === 0 || (!retyped.has(twin.from) && !retyped.has(twin.to)))) return void this.wires.push(twin);
+      if (twin) gone.push(twin);
+      make(...split_end(wire.from), ...split_end(wire.to));
+    });
+    // of the circuit's own pins there are few
+    gone.push(...(old?.wires.slice(was.length) ?? []));
+    for (const pin of circuit.inputs ?? []) for (const end of ends_of(pin.to)) make(inputs_node, pin.name, ...split_end(end));
+    for (const pin of circuit.outputs ?? []) for (const end of ends_of(pin.from)) make(...split_end(end), outputs_node, pin.name);
+    return gone;
+  }
 
-    const add = (node: Omit<ViewNode, 'width' | 'height'>): void => {
-      const sized: ViewNode = { ...node, ...size_of(node) };
-      const old = before?.node(node.id);
-      const kept = old && same_node(old, sized) ? old : sized;
-      this.nodes.push(kept);
-      this.by_id.set(kept.id, kept);
+  /** Gives wires their ends: the new ones, and anew those at nodes that moved. */
+  private lay_wires(moved: ReadonlySet<string>, born: ReadonlySet<ViewWire>): void {
+    const ends = (w: ViewWire): { a: Point; b: Point } => {
+      const [from, to] = [this.by_id.get(w.from), this.by_id.get(w.to)];
+      return { a: from ? pin_point(from, 'out', w.from_pin) : [0, 0], b: to ? pin_point(to, 'in', w.to_pin) : [0, 0] };
     };
-    for (const lsi of circuit.lsis ?? []) {
-      const { kind, doc, inputs, outputs } = pins.get(lsi.id)!;
-      const title = lsi.label || lsi.id;
-      add({ id: lsi.id, kind, title, subtitle: lsi.type === title ? '' : lsi.type, doc, note: lsi.note ?? '', lsi, inputs, outputs, x: lsi.at?.[0] ?? 0, y: lsi.at?.[1] ?? 0 });
+    const gone: ViewWire[] = [];
+    const again: ViewWire[] = [];
+    if (moved.size > 0 || born.size > 0) this.wires.forEach((w, i) => {
+      if (born.has(w)) return void Object.assign(w, ends(w));
+      if (!moved.has(w.from) && !moved.has(w.to)) return;
+      gone.push(w);
+      again.push((this.wires[i] = { ...w, ...ends(w) }));
+    });
+    this.relist(gone, again);
+  }
+
+  private relist(gone: readonly ViewWire[], born: readonly ViewWire[]): void {
+    const no_more = new Set(gone);
+    const more = new Map<string, ViewWire[]>();
+    const at = (id: string): ViewWire[] => {
+      let list = more.get(id);
+      if (!list) more.set(id, (list = (this.by_node.get(id) ?? []).filter((w) => !no_more.has(w))));
+      return list;
+    };
+    for (const w of gone) at(w.from), at(w.to);
+    for (const w of born) {
+      at(w.from).push(w);
+      if (w.to !== w.from) at(w.to).push(w);
     }
-    const box = this.bounds();
-    const own = (id: string, kind: NodeKind, title: string, at: Point | undefined, side: 'left' | 'right'): void => {
-      const has = pins.get(id);
-      if (!has) return;
-      const node = { id, kind, title, subtitle: '', doc: has.doc, note: '', lsi: null, inputs: has.inputs, outputs: has.outputs, x: 0, y: 0 };
+    for (const [id, list] of more) list.length > 0 ? this.by_node.set(id, list) : this.by_node.delete(id);
+  }
+
+  private template(type: string): Template {
+    let found = this.templates.get(type);
+    if (!found) {
+      const inner = find_circuit(this.level, type)?.circuit;
+      const declared = inner ? undefined : this.classes.find(type);
+      if (inner) found = { kind: 'circuit', doc: inner.doc ?? '', ...circuit_pins(inner) };
+      else found = declared ? { kind: 'class', doc: declared.doc ?? '', ...class_pins(declared) } : nothing;
+      this.templates.set(type, found);
+    }
+    return found;
+  }
+
+  /** The nodes of the circuit's own pins; inside of a circuit each has a pin more, from which a new one is drawn. */
+  private own_templates(circuit: Circuit): Map<string, Template> {
+    const inside = this.level.path.length > 0;
+    const out = new Map<string, Template>();
+    const more = (side: 'in' | 'out'): PinInfo[] => (inside ? [own_info({ name: new_pin, type: 'any' }, side)] : []);
+    if (circuit.inputs?.length || inside) out.set(inputs_node, { kind: 'inputs', doc: '', inputs: [], outputs: [...(circuit.inputs ?? []).map((p) => own_info(p, 'out')), ...more('out')] });
+    if (circuit.outputs?.length || inside) out.set(outputs_node, { kind: 'outputs', doc: '', inputs: [...(circuit.outputs ?? []).map((p) => own_info(p, 'in')), ...more('in')], outputs: [] });
+    return out;
+  }
+
+  private put_own(own: ReadonlyMap<string, Template>, put: (node: Omit<ViewNode, 'width' | 'height'>) => ViewNode): void {
+    const { circuit } = this.level;
+    const box = own.size > 0 ? this.bounds() : null;
+    for (const [id, title, at] of [[inputs_node, 'Inputs', circuit.inputs_at], [outputs_node, 'Outputs', circuit.outputs_at]] as const) {
+      const template = own.get(id);
+      if (!template || !box) continue;
+      const node = { id, title, subtitle: '', note: '', lsi: null, x: 0, y: 0, ...this.wired_pins(id, template) };
       const { width, height } = size_of(node);
-      const x = at?.[0] ?? (side === 'left' ? box.x - width - 80 : box.x + box.width + 80);
+      const x = at?.[0] ?? (id === inputs_node ? box.x - width - 80 : box.x + box.width + 80);
       const y = at?.[1] ?? Math.round((box.y + (box.height - height) / 2) / grid) * grid;
-      add({ ...node, x, y });
+      this.nodes.push(put({ ...node, x, y }));
+    }
+  }
+
+  /** Pins of node `id` with what is wired marked; those of a missing LSI are the ones that its wires name. */
+  private wired_pins(id: string, template: Template): Template {
+    const outputs = new Set<string>();
+    const inputs = new Set<string>();
+    for (const w of this.by_node.get(id) ?? []) {
+      if (w.from === id) outputs.add(w.from_pin);
+      if (w.to === id) inputs.add(w.to_pin);
+    }
+    const mark = (pins: readonly PinInfo[], wired: ReadonlySet<string>, side: 'in' | 'out'): PinInfo[] => {
+      if (template.kind === 'missing') return [...wired].map((name) => ({ ...own_info({ name, type: 'any' }, side), wired: true }));
+      return pins.map((p) => (wired.has(p.name) ? { ...p, wired: true } : p));
     };
-    own(inputs_node, 'inputs', 'Inputs', circuit.inputs_at, 'left');
-    own(outputs_node, 'outputs', 'Outputs', circuit.outputs_at, 'right');
-  }
-
-  /** Pins of a missing LSI are those that its wires name. */
-  private pin_in(node: { kind: NodeKind; inputs: PinInfo[]; outputs: PinInfo[] } | undefined, side: 'in' | 'out', name: string): PinInfo | undefined {
-    if (!node) return undefined;
-    const list = side === 'in' ? node.inputs : node.outputs;
-    const found = list.find((p) => p.name === name);
-    if (found || node.kind !== 'missing') return found;
-    const pin = own_info({ name, type: 'any' }, side);
-    list.push(pin);
-    return pin;
-  }
-
-  private index(key: string, wire: ViewWire): void {
-    const list = this.by_pin.get(key);
-    if (list) list.push(wire);
-    else this.by_pin.set(key, [wire]);
+    return { kind: template.kind, doc: template.doc, inputs: mark(template.inputs, inputs, 'in'), outputs: mark(template.outputs, outputs, 'out') };
   }
 
   node(id: string): ViewNode | undefined {
@@ -225,9 +285,13 @@ export class View {
     const node = this.by_id.get(id);
     return (side === 'in' ? node?.inputs : node?.outputs)?.find((p) => p.name === name);
   }
+  /** Wires at a node. */
+  at_node(id: string): readonly ViewWire[] {
+    return this.by_node.get(id) ?? [];
+  }
   /** Wires at a pin. */
   at_pin(id: string, side: 'in' | 'out', name: string): readonly ViewWire[] {
-    return this.by_pin.get(`${side} ${id}.${name}`) ?? [];
+    return this.at_node(id).filter((w) => (side === 'in' ? w.to === id && w.to_pin === name : w.from === id && w.from_pin === name));
   }
   wire(key: string): ViewWire | undefined {
     return this.wires.find((w) => w.key === key);
@@ -239,12 +303,9 @@ export class View {
     return this.level.circuit.probes ?? [];
   }
 
-  /** Box around the LSIs (and around notes and probes where `all`). */
+  /** Box around what is called `ids`; without them around everything. */
   bounds(ids?: ReadonlySet<string>): { x: number; y: number; width: number; height: number } {
-    let left = Infinity;
-    let top = Infinity;
-    let right = -Infinity;
-    let bottom = -Infinity;
+    let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
     const grow = (x: number, y: number, w: number, h: number): void => {
       left = Math.min(left, x);
       top = Math.min(top, y);
@@ -258,40 +319,17 @@ export class View {
   }
 }
 
-function same_pins(a: PinInfo[], b: PinInfo[]): boolean {
-  return a.length === b.length && a.every((p, i) => {
-    const q = b[i]!;
-    return p.name === q.name && p.type === q.type && p.wired === q.wired && p.unit === q.unit && p.doc === q.doc && p.required === q.required && p.multiple === q.multiple && p.delayed === q.delayed;
-  });
+/** A pin of a missing LSI is what its wires say. */
+function pin_in(template: Template | undefined, side: 'in' | 'out', name: string): PinInfo | undefined {
+  if (!template) return undefined;
+  if (template.kind === 'missing') return own_info({ name, type: 'any' }, side);
+  return (side === 'in' ? template.inputs : template.outputs).find((p) => p.name === name);
+}
+
+function words_of(lsi: Lsi): { title: string; subtitle: string; note: string } {
+  const title = lsi.label || lsi.id;
+  return { title, subtitle: lsi.type === title ? '' : lsi.type, note: lsi.note ?? '' };
 }
 
 const same_node = (a: ViewNode, b: ViewNode): boolean =>
   a.lsi === b.lsi && a.kind === b.kind && a.title === b.title && a.subtitle === b.subtitle && a.doc === b.doc && a.x === b.x && a.y === b.y && same_pins(a.inputs, b.inputs) && same_pins(a.outputs, b.outputs);
-
-export const note_id = (id: string): string => `note:${id}`;
-export const probe_id = (pin: string): string => `probe:${pin}`;
-export const probe_size: Point = [216, 96];
-export const note_size = (note: Note): Point => note.size ?? [180, 80];
-
-/** Where a wire begins or ends; the node's side where the pin is not there. */
-export function pin_point(node: ViewNode, side: 'in' | 'out', name: string): Point {
-  const list = side === 'in' ? node.inputs : node.outputs;
-  const [x, y] = pin_offset(node, side, Math.max(0, list.findIndex((p) => p.name === name)));
-  return [node.x + x, node.y + y];
-}
-
-/** Control points of a wire from a to b: level at both ends; a wire that runs back bows out far enough to be seen. */
-export function wire_curve(a: Point, b: Point): [Point, Point, Point, Point] {
-  const dx = b[0] - a[0];
-  const bend = dx >= 0 ? Math.max(24, dx / 2) : Math.min(260, 60 - dx / 3);
-  const sag = dx < -40 && Math.abs(b[1] - a[1]) < 60 ? 90 : 0;
-  return [a, [a[0] + bend, a[1] + sag], [b[0] - bend, b[1] + sag], b];
-}
-
-export function wire_path(a: Point, b: Point): string {
-  const [p, q, r, s] = wire_curve(a, b);
-  return `M${p[0]} ${p[1]}C${q[0]} ${q[1]} ${r[0]} ${r[1]} ${s[0]} ${s[1]}`;
-}
-
-/** Name of an output of this level as the running circuit knows it: "arm/elbow.out". */
-export const flat_pin = (level: Level, pin: string): string => [...level.path, pin].join('/');

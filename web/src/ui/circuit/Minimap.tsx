@@ -30,10 +30,11 @@ export function Minimap({ view, viewport, size, go, subscribe }: { view: View; v
     const p = picture.getContext('2d', plain_canvas);
     if (p) {
       p.scale(ratio, ratio);
-      p.fillStyle = colors('--text-faint');
+      p.globalAlpha = 0.55;
+      let last = '';
       for (const node of view.nodes) {
-        p.fillStyle = node.outputs[0] ? colors(`--pin-${hue_of(node.outputs[0].type)}`) : colors('--text-faint');
-        p.globalAlpha = 0.55;
+        const color = node.outputs[0] ? colors(`--pin-${hue_of(node.outputs[0].type)}`) : colors('--text-faint');
+        if (color !== last) p.fillStyle = last = color; // setting it is what costs
         p.fillRect((node.x - left) * scale, (node.y - top) * scale, Math.max(1, node.width * scale), Math.max(1, node.height * scale));
       }
     }

@@ -22,12 +22,13 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
   const connecting = useCircuit((s) => s.connecting);
   const at = useCircuit((s) => same_pin(s.pin, own));
   const target = useCircuit((s) => same_pin(s.target, own));
+  const bad = useCircuit((s) => pin.side === 'out' && s.problems.length > 0 && s.problems.some((p) => p.pin === pin.name && p.lsi === [...s.path, node.id].join('/')));
   let fit = '';
   if (connecting && circuit.view) fit = same_pin(connecting, own) ? ' source' : why_not(circuit.view, connecting, own) === null ? ' fits' : ' unfit';
   const [, y] = pin_offset(node, pin.side, index);
   const fresh = pin.name === new_pin;
   return (
-    <div className={`pin-row ${pin.side}${fit}${pin.wired ? ' wired' : ''}${at ? ' at' : ''}${target ? ' target' : ''}`} style={{ top: y - 11 }} title={fresh ? 'A wire to here makes a new pin of the circuit' : pin_title(pin)} data-pin={`${node.id}.${pin.name}`} data-side={pin.side}>
+    <div className={`pin-row ${pin.side}${fit}${pin.wired ? ' wired' : ''}${at ? ' at' : ''}${target ? ' target' : ''}${bad ? ' bad-pin' : ''}`} style={{ top: y - 11 }} title={fresh ? 'A wire to here makes a new pin of the circuit' : pin_title(pin)} data-pin={`${node.id}.${pin.name}`} data-side={pin.side}>
       <Handle
         type={pin.side === 'in' ? 'target' : 'source'}
         position={pin.side === 'in' ? Position.Left : Position.Right}

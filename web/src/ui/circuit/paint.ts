@@ -1,10 +1,10 @@
-/** What is drawn on canvases: wires that no element stands for, the whole circuit from afar, and values over what is near. */
+/** What is drawn on canvases: wires and LSIs that no element stands for, and values over what is near. */
 import { hue_of } from '../../core/circuit/classes';
 import type { CircuitEditor } from '../../core/circuit/editor';
 import type { Point } from '../../core/circuit/form';
 import { short_time, short_value, type LiveValues } from '../../core/circuit/live';
-import { boxes_meet, type Box } from '../../core/circuit/spatial';
-import { head_height, note_size, pin_offset, pin_point, wire_curve, type View, type ViewNode } from '../../core/circuit/view';
+import type { Box } from '../../core/circuit/spatial';
+import { head_height, note_size, pin_offset, pin_point, wire_curve, type View, type ViewNode, type ViewWire } from '../../core/circuit/view';
 
 export interface Viewport {
   x: number;
@@ -13,6 +13,16 @@ export interface Viewport {
 }
 
 export type Colors = (name: string) => string;
+
+const letters = 'Inter, system-ui, "DejaVu Sans", sans-serif';
+
+/** Zooms below which something is left out: curves, frames around boxes, words, pins. */
+const curve_zoom = 0.16;
+const frame_zoom = 0.06;
+const word_zoom = 0.2;
+const pin_zoom = 0.24;
+/** px; a shorter wire is not seen, and all of them together would only be a haze that costs time. */
+const shortest_wire = 3;
 
 /** Colours of the page's theme, read once. */
 export function read_colors(element: Element): Colors {
@@ -46,28 +56,48 @@ const moved = (node: ViewNode, drag: ReadonlyMap<string, Point> | null): ViewNod
   return at ? { ...node, x: at[0], y: at[1] } : node;
 };
 
-/** Wires that are not among `elements`, and with `far` also the LSIs. */
-export function paint_under(
-  c: CanvasRenderingContext2D, size: { width: number; height: number }, view: View, viewport: Viewport, colors: Colors,
-  options: { far: boolean; elements: ReadonlySet<string>; drag: ReadonlyMap<string, Point> | null; nodes: readonly ViewNode[]; selected: ReadonlySet<string>; selected_wires: ReadonlySet<string>; bad: (id: string) => boolean; loop: ReadonlySet<string> },
-): void {
+export interface UnderOptions {
+  /** LSIs in sight. */
+  boxes: readonly ViewNode[];
+  /** LSIs and wires that are elements: not drawn here. */
+  elements: ReadonlySet<string>;
+  wires: ReadonlySet<string>;
+  drag: ReadonlyMap<string, Point> | null;
+  selected: ReadonlySet<string>;
+  selected_wires: ReadonlySet<string>;
+  bad: ReadonlySet<string>;
+  loop: ReadonlySet<string>;
+}
+
+export function paint_under(c: CanvasRenderingContext2D, size: { width: number; height: number }, view: View, viewport: Viewport, colors: Colors, options: UnderOptions): void {
   const { zoom } = viewport;
   const seen: Box = { x: -viewport.x / zoom, y: -viewport.y / zoom, width: size.width / zoom, height: size.height / zoom };
   c.save();
   c.translate(viewport.x, viewport.y);
   c.scale(zoom, zoom);
+  paint_wires(c, view, zoom, colors, seen, options);
+  const nodes = options.boxes.filter((n) => !options.elements.has(n.id));
+  if (nodes.length > 0) paint_boxes(c, view, nodes, zoom, colors, options);
+  c.restore();
+}
+
+function ends_of_wire(view: View, wire: ViewWire, drag: ReadonlyMap<string, Point> | null): [Point, Point] {
+  if (!drag || (!drag.has(wire.from) && !drag.has(wire.to))) return [wire.a, wire.b];
+  return [pin_point(moved(view.node(wire.from)!, drag), 'out', wire.from_pin), pin_point(moved(view.node(wire.to)!, drag), 'in', wire.to_pin)];
+}
+
+function paint_wires(c: CanvasRenderingContext2D, view: View, zoom: number, colors: Colors, seen: Box, options: UnderOptions): void {
   // one path for each hue: strokes are what costs
   const paths = new Map<string, Path2D>();
-  const straight = zoom < 0.12;
+  const straight = zoom < curve_zoom;
+  const shortest = straight ? shortest_wire / zoom : 0;
+  const [left, top, right, bottom] = [seen.x, seen.y, seen.x + seen.width, seen.y + seen.height];
   for (const wire of view.wires) {
-    if (wire.broken || options.elements.has(wire.key)) continue;
-    const from = view.node(wire.from)!;
-    const to = view.node(wire.to)!;
-    const drag = options.drag;
-    const a = drag ? pin_point(moved(from, drag), 'out', wire.from_pin) : pin_point(from, 'out', wire.from_pin);
-    const b = drag ? pin_point(moved(to, drag), 'in', wire.to_pin) : pin_point(to, 'in', wire.to_pin);
-    const sag = b[0] < a[0] ? 270 : 0;
-    if (!boxes_meet({ x: Math.min(a[0], b[0]) - sag, y: Math.min(a[1], b[1]), width: Math.abs(b[0] - a[0]) + 2 * sag + 1, height: Math.abs(b[1] - a[1]) + (sag ? 90 : 1) }, seen)) continue;
+    const [a, b] = options.drag ? ends_of_wire(view, wire, options.drag) : [wire.a, wire.b];
+    const dx = b[0] - a[0];
+    const sag = dx < 0 ? 270 : 0;
+    if (Math.max(a[0], b[0]) + sag < left || Math.min(a[0], b[0]) - sag > right || Math.max(a[1], b[1]) + (sag && 90) < top || Math.min(a[1], b[1]) > bottom) continue;
+    if (Math.abs(dx) + Math.abs(b[1] - a[1]) < shortest || wire.broken || options.wires.has(wire.key)) continue;
     const lit = options.selected_wires.has(wire.key);
     const key = options.loop.has(wire.key) ? 'loop' : lit ? 'lit' : `${wire.delayed ? 'delayed ' : ''}${hue_of(wire.type)}`;
     let path = paths.get(key);
@@ -81,64 +111,70 @@ export function paint_under(
   }
   for (const [key, path] of paths) {
     const delayed = key.startsWith('delayed ');
+    const special = key === 'loop' || key === 'lit';
     c.strokeStyle = key === 'loop' ? colors('--bad') : key === 'lit' ? colors('--accent') : colors(`--pin-${delayed ? key.slice(8) : key}`);
-    c.globalAlpha = key === 'loop' || key === 'lit' ? 1 : zoom < 0.25 ? 0.45 : 0.75;
-    c.lineWidth = Math.max(1 / zoom, key === 'loop' ? 3 : 1.8);
+    c.globalAlpha = special ? 1 : zoom < 0.25 ? 0.45 : 0.8;
+    // the thinnest line is much cheaper than any other
+    c.lineWidth = straight && !special ? 0.98 / zoom : Math.max(1 / zoom, special ? 3 : 1.8);
     c.setLineDash(delayed && !straight ? [5, 4] : []);
     c.stroke(path);
   }
   c.setLineDash([]);
   c.globalAlpha = 1;
-  if (options.far) paint_far(c, view, zoom, colors, seen, options);
-  c.restore();
 }
 
-function paint_far(c: CanvasRenderingContext2D, view: View, zoom: number, colors: Colors, seen: Box, options: { nodes: readonly ViewNode[]; selected: ReadonlySet<string>; drag: ReadonlyMap<string, Point> | null; bad: (id: string) => boolean }): void {
-  const words = zoom > 0.2;
-  const boxes = new Path2D();
-  const special: ViewNode[] = [];
+function paint_boxes(c: CanvasRenderingContext2D, view: View, nodes: readonly ViewNode[], zoom: number, colors: Colors, options: UnderOptions): void {
   for (const note of view.notes) {
     const [w, h] = note_size(note);
     c.fillStyle = colors('--raised-hover');
     c.fillRect(note.at[0], note.at[1], w, h);
   }
-  for (const at of options.nodes) {
+  c.fillStyle = zoom < frame_zoom ? colors('--line-strong') : colors('--raised');
+  c.strokeStyle = colors('--line-strong');
+  c.lineWidth = 0.98 / zoom;
+  // each by itself: a path of thousands is slower by far
+  for (const at of nodes) {
     const node = moved(at, options.drag);
-    boxes.rect(node.x, node.y, node.width, node.height);
-    if (options.selected.has(node.id) || node.kind === 'missing' || options.bad(node.id)) special.push(node);
+    c.fillRect(node.x, node.y, node.width, node.height);
+    if (zoom > frame_zoom) c.strokeRect(node.x, node.y, node.width, node.height);
   }
-  c.fillStyle = colors('--raised');
-  c.fill(boxes);
-  if (zoom > 0.06) {
-    c.strokeStyle = colors('--line-strong');
-    c.lineWidth = 1 / zoom;
-    c.stroke(boxes);
-  }
-  for (const node of special) {
-    c.strokeStyle = options.bad(node.id) ? colors('--bad') : options.selected.has(node.id) ? colors('--accent') : colors('--text-faint');
+  for (const at of nodes) {
+    const bad = options.bad.has(at.id);
+    if (!bad && !options.selected.has(at.id) && at.kind !== 'missing') continue;
+    const node = moved(at, options.drag);
+    c.strokeStyle = bad ? colors('--bad') : options.selected.has(node.id) ? colors('--accent') : colors('--text-faint');
     c.lineWidth = 2 / zoom;
     c.strokeRect(node.x, node.y, node.width, node.height);
   }
-  if (!words) return;
-  c.fillStyle = colors('--text');
-  c.font = '15px system-ui, sans-serif';
-  c.textBaseline = 'middle';
-  for (const at of options.nodes) {
-    const node = moved(at, options.drag);
-    if (!boxes_meet(node, seen)) continue;
-    c.fillText(node.title, node.x + 10, node.y + head_height / 2 + 1, node.width - 20);
-    for (const [list, side] of [[node.inputs, 'in'], [node.outputs, 'out']] as const) {
-      list.forEach((pin, i) => {
-        const [x, y] = pin_offset(node, side, i);
-        c.fillStyle = colors(`--pin-${hue_of(pin.type)}`);
-        c.fillRect(node.x + x - 4, node.y + y - 4, 8, 8);
-      });
-    }
-    c.fillStyle = colors('--text');
+  if (zoom > pin_zoom) for (const at of nodes) paint_pins(c, moved(at, options.drag), colors);
+  if (zoom > word_zoom) paint_titles(c, nodes, zoom, colors, options);
+}
+
+function paint_pins(c: CanvasRenderingContext2D, node: ViewNode, colors: Colors): void {
+  for (const [list, side] of [[node.inputs, 'in'], [node.outputs, 'out']] as const) {
+    list.forEach((pin, i) => {
+      const [x, y] = pin_offset(node, side, i);
+      c.fillStyle = colors(`--pin-${hue_of(pin.type)}`);
+      c.fillRect(node.x + x - 4, node.y + y - 4, 8, 8);
+    });
   }
 }
 
-/** Values beside output pins, and the time of each LSI in its head. Only `nodes`, which are near and seen. */
+/** Larger than they are near, so that they can be read; what does not fit ends in an ellipsis. */
+function paint_titles(c: CanvasRenderingContext2D, nodes: readonly ViewNode[], zoom: number, colors: Colors, options: UnderOptions): void {
+  const size = Math.min(26, Math.max(13, 9 / zoom));
+  c.fillStyle = colors('--text');
+  c.font = `${size}px ${letters}`;
+  c.textBaseline = 'middle';
+  for (const at of nodes) {
+    const node = moved(at, options.drag);
+    const room = Math.floor((node.width - 20) / (size * 0.58));
+    const text = node.title.length > room ? `${node.title.slice(0, Math.max(1, room - 1))}…` : node.title;
+    c.fillText(text, node.x + 10, node.y + head_height / 2 + 1);
+  }
+}
+
+/** Values beside output pins, and the time of each LSI in its head. Only `nodes`, which are near and seen. @return values drawn */
 export function paint_values(c: CanvasRenderingContext2D, view: View, viewport: Viewport, nodes: readonly ViewNode[], colors: Colors, editor: CircuitEditor, live: LiveValues, now: number): number {
   const { zoom } = viewport;
   let drawn = 0;
@@ -149,17 +185,15 @@ export function paint_values(c: CanvasRenderingContext2D, view: View, viewport: 
   c.textBaseline = 'middle';
   for (const at of nodes) {
     const node = moved(at, editor.drag);
-    if (node.lsi) {
-      const us = live.time_of([...view.level.path, node.id].join('/'));
-      if (us !== undefined) {
-        c.font = `${Math.max(11, 8.5 / zoom)}px Inter, system-ui, "DejaVu Sans", sans-serif`;
-        c.fillStyle = colors('--text-faint');
-        c.textAlign = 'right';
-        c.fillText(short_time(us), node.x + node.width - 10, node.y + head_height / 2 + 0.5);
-      }
+    const us = node.lsi ? live.time_of([...view.level.path, node.id].join('/')) : undefined;
+    if (us !== undefined) {
+      c.font = `${Math.max(11, 8.5 / zoom)}px ${letters}`;
+      c.fillStyle = colors('--text-faint');
+      c.textAlign = 'right';
+      c.fillText(short_time(us), node.x + node.width - 10, node.y + head_height / 2 + 0.5);
     }
     c.textAlign = 'left';
-    c.font = `${small}px Inter, system-ui, "DejaVu Sans", sans-serif`;
+    c.font = `${small}px ${letters}`;
     node.outputs.forEach((pin, i) => {
       const flat = editor.flat_output(node.id, pin.name);
       const value = flat ? live.pin(flat) : undefined;

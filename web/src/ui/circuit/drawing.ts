@@ -1,0 +1,143 @@
+/** What of the circuit is drawn, and how: elements near, a canvas for the rest. */
+import { useCallback, useEffect, useMemo, useRef, useState, type RefObject } from 'react';
+import { loop_wires } from '../../core/circuit/problems';
+import type { Box } from '../../core/circuit/spatial';
+import type { View, ViewNode } from '../../core/circuit/view';
+import { circuit, useCircuit, useStudio } from '../app';
+import type { WireEdgeType } from './edges';
+import { make_elements, next_elements, reuse_edges, reuse_nodes, type AnyNode } from './elements';
+import { paint_under, prepare, read_colors, type Colors } from './paint';
+import type { Surface } from './surface';
+
+/** Below this zoom, or with more nodes than this in sight, all is drawn on the canvas. */
+const far_zoom = 0.42;
+const most_elements = 160;
+const margin = 260; // px around what is seen, so that not every step of a pan brings new nodes
+
+export interface Drawn {
+  view: View;
+  /** What the nodes were looked for in. */
+  box: Box;
+  zoom_far: boolean;
+  far: boolean;
+  near: ViewNode[];
+  /** LSIs and wires that are elements, or soon will be. */
+  wanted: ReadonlySet<string>;
+  ids: ReadonlySet<string>;
+  wires: ReadonlySet<string>;
+}
+
+export interface Drawing {
+  nodes: AnyNode[];
+  edges: WireEdgeType[];
+  set_nodes: (change: (before: AnyNode[]) => AnyNode[]) => void;
+  far: boolean;
+  colors: Colors;
+  drawn: RefObject<Drawn | null>;
+  /** Paints the canvas at the next frame. */
+  invalidate: () => void;
+  /** Makes the elements anew. */
+  refresh: () => void;
+  /** Called after each painting. */
+  on_paint: (listener: () => void) => () => void;
+  /** For journeys: counts and times. */
+  facts: RefObject<{ paints: number; paint_ms: number; culls: number; values: number }>;
+}
+
+const none: ReadonlySet<string> = new Set();
+
+export function useDrawing(view: View, surface: Surface, under: RefObject<HTMLCanvasElement | null>): Drawing {
+  const path = useCircuit((s) => s.path);
+  const selected = useCircuit((s) => s.nodes);
+  const selected_wires = useCircuit((s) => s.wires);
+  const problems = useCircuit((s) => s.problems);
+  const theme = useStudio((s) => s.theme);
+  const [nodes, set_nodes] = useState<AnyNode[]>([]);
+  const [edges, set_edges] = useState<WireEdgeType[]>([]);
+  const [far, set_far] = useState(false);
+  const colors = useMemo(() => read_colors(document.documentElement), [theme]); // eslint-disable-line react-hooks/exhaustive-deps
+  const loop = useMemo(() => loop_wires(problems, path, view.wires), [problems, path, view]);
+  const bad = useMemo(() => new Set(problems.length > 0 ? view.nodes.filter((n) => circuit.problems_of(n.id).length > 0).map((n) => n.id) : []), [problems, view]);
+
+  const drawn = useRef<Drawn | null>(null);
+  const frame = useRef(0);
+  const listeners = useRef(new Set<() => void>());
+  const facts = useRef({ paints: 0, paint_ms: 0, culls: 0, values: 0 });
+
+  const show = useCallback((at: Drawn) => {
+    const made = make_elements(at.view, at.ids, at.far ? null : at.box, circuit.state, loop);
+    drawn.current = { ...at, wires: made.wires };
+    set_nodes((before) => reuse_nodes(before, made.nodes));
+    set_edges((before) => reuse_edges(before, made.edges));
+    set_far(at.far);
+  }, [loop]);
+
+  const paint = useCallback(() => {
+    frame.current = 0;
+    const at = drawn.current;
+    const current = circuit.view;
+    if (!under.current || !at || !current) return;
+    const begin = performance.now();
+    const { ids, done } = next_elements(at.ids, at.wanted, false);
+    if (ids.size !== at.ids.size || !done) show({ ...at, ids });
+    const prepared = prepare(under.current, { willReadFrequently: true });
+    if (prepared) {
+      paint_under(prepared.c, prepared, current, surface.viewport(), colors, {
+        boxes: at.near, elements: ids, wires: drawn.current!.wires, drag: circuit.drag, selected: circuit.state.nodes, selected_wires: circuit.state.wires, bad, loop,
+      });
+    }
+    for (const listener of listeners.current) listener();
+    facts.current.paints++;
+    facts.current.paint_ms += performance.now() - begin;
+    if (!done) frame.current = requestAnimationFrame(paint);
+  }, [under, surface, colors, loop, bad, show]);
+  const invalidate = useCallback(() => {
+    if (frame.current === 0) frame.current = requestAnimationFrame(paint);
+  }, [paint]);
+  useEffect(() => () => {
+    cancelAnimationFrame(frame.current);
+    frame.current = 0;
+  }, [paint]);
+
+  const cull = useCallback((force: boolean) => {
+    const zoom_far = surface.viewport().zoom < far_zoom;
+    const old = drawn.current;
+    if (!force && old?.view === view && old.zoom_far === zoom_far && contains(old.box, surface.seen())) return;
+    facts.current.culls++;
+    const box = surface.seen(margin);
+    const near = view.index.find(box);
+    const is_far = zoom_far || near.length > most_elements;
+    const wanted = is_far ? none : with_neighbours(view, near);
+    const before = old?.view.level.path.join('/') === view.level.path.join('/') ? old : null;
+    const { ids } = next_elements(before?.ids ?? none, wanted, wanted.size <= 24);
+    show({ view, box, zoom_far, far: is_far, near, wanted, ids, wires: none });
+    invalidate();
+  }, [view, surface, show, invalidate]);
+
+  useEffect(() => cull(true), [cull, selected, selected_wires]);
+  useEffect(() => surface.on_move(() => {
+    cull(false);
+    invalidate();
+  }), [surface, cull, invalidate]);
+
+  const refresh = useCallback(() => cull(true), [cull]);
+  const on_paint = useCallback((listener: () => void) => {
+    listeners.current.add(listener);
+    return () => void listeners.current.delete(listener);
+  }, []);
+  return { nodes, edges, set_nodes, far, colors, drawn, invalidate, refresh, on_paint, facts };
+}
+
+const contains = (a: Box, b: Box): boolean => b.x >= a.x && b.y >= a.y && b.x + b.width <= a.x + a.width && b.y + b.height <= a.y + a.height;
+
+/** Those near, and those not seen whose wires are. */
+function with_neighbours(view: View, near: readonly ViewNode[]): Set<string> {
+  const ids = new Set(near.map((n) => n.id));
+  for (const node of near) {
+    for (const wire of view.at_node(node.id)) {
+      if (wire.broken || ids.size >= 2 * most_elements) continue;
+      ids.add(wire.from).add(wire.to);
+    }
+  }
+  return ids;
+}
