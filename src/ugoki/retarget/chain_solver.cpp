@@ -7,7 +7,6 @@ namespace ugoki::retarget {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-constexpr double near_limit = 1e-9;
 
 Quat quat_of(const double* q) { return {q[0], q[1], q[2], q[3]}; }
 void set_quat(const Quat& r, double* q) {
@@ -139,9 +138,10 @@ void ChainSolver::gather(std::span<const int> chain, const double* q, std::span<
   }
 }
 
-void ChainSolver::find_step(const Vec3& e1, const Vec3& e2, const Vec3& along, double damping, bool turn) {
+void ChainSolver::find_step(const Vec3& first, const Vec3& turn_error, const Vec3& along, double damping, bool turn) {
   for (Column& c : columns_) c.held = false;
-  for (int round = 0; round < 4; ++round) {
+  Vec3 e1 = first, e2 = turn_error;
+  for (int round = 0; round < 6; ++round) {
     Mat3 A = Mat3::diagonal(damping, damping, damping) + Mat3::outer(along, along), K{};
     for (const Column& c : columns_) {
       if (c.held) continue;
@@ -150,7 +150,8 @@ void ChainSolver::find_step(const Vec3& e1, const Vec3& e2, const Vec3& along, d
     }
     const Mat3 A_inverse = inverse(A);
     const Vec3 y = A_inverse * e1;
-    for (Column& c : columns_) c.step = c.held ? 0 : dot(c.J1, y);
+    for (Column& c : columns_)
+      if (!c.held) c.step = dot(c.J1, y);
     if (turn) {
       const Mat3 M = K * A_inverse;
       Vec3 rest = e2;
@@ -165,19 +166,36 @@ void ChainSolver::find_step(const Vec3& e1, const Vec3& e2, const Vec3& along, d
       for (Column& c : columns_)
         if (!c.held) c.step += dot(c.J2 - M * c.J1, z);
     }
+    // What would go beyond its limit goes to it, and the others do the rest.
     bool changed = false;
     for (Column& c : columns_) {
       if (c.held) continue;
       const int f = m_.link(c.link).v_index + c.freedom;
-      if ((c.step > 0 && c.x > upper[at(f)] - near_limit) || (c.step < 0 && c.x < lower[at(f)] + near_limit)) {
-        c.held = true;
-        changed = true;
-      }
+      const double inside = std::clamp(c.x + c.step, lower[at(f)], upper[at(f)]) - c.x;
+      if (inside == c.step) continue;
+      c.step = inside;
+      c.held = true;
+      changed = true;
+      e1 -= c.J1 * inside;
+      e2 -= c.J2 * inside;
     }
     if (!changed) return;
   }
-  for (Column& c : columns_)
-    if (c.held) c.step = 0;
+}
+
+Mat3 ChainSolver::resistance(std::span<const int> chain, const Vec3& place, const Vec3& wish, double length, const double* q,
+                             std::span<const Pose> X_WB) {
+  constexpr double softness = 1e-3, near_limit = 1e-3;
+  gather(chain, q, X_WB);
+  Mat3 A = Mat3::diagonal(softness, softness, softness);
+  for (const Column& c : columns_) {
+    const Vec3 J = (c.v + cross(c.w, place - X_WB[at(c.link)].p)) / length;
+    const int f = m_.link(c.link).v_index + c.freedom;
+    const double way = dot(J, wish);
+    if ((way > 0 && c.x > upper[at(f)] - near_limit) || (way < 0 && c.x < lower[at(f)] + near_limit)) continue;
+    A += Mat3::outer(J, J);
+  }
+  return inverse(A) * softness;
 }
 
 void ChainSolver::apply(std::span<const int> chain, double share, double* q, std::span<Pose> X_WB) {

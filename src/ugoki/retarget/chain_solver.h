@@ -20,9 +20,9 @@ struct ChainGoal {
   int iterations = 12;
 };
 
-/// Joint limits are kept at every step: freedoms at a limit that would go beyond it are taken out of the step. First the goal's place (or
-/// direction) by damped least squares, then in the null space of that the orientation. Spherical joints move in the components of their
-/// rotation vector, on which their limits act. Source: Siciliano and Slotine 1991 (task priority); Buss 2009 (damping).
+/// Joint limits are kept at every step: a freedom that would go beyond its limit goes to it, and the others do the rest. First the goal's
+/// place (or direction) by damped least squares, then in the null space of that the orientation. Spherical joints move in the components of
+/// their rotation vector, on which their limits act. Source: Siciliano and Slotine 1991 (task priority); Buss 2009 (damping).
 class ChainSolver {
  public:
   explicit ChainSolver(const Mechanism& mechanism);
@@ -34,6 +34,12 @@ class ChainSolver {
   /// @param q [nq, in and out] @param X_WB [links, in and out] kept up to date for the chain; its base's parent must be right
   /// @return what misses of the place [m] or the direction [rad]
   double solve(std::span<const int> chain, const ChainGoal& goal, double* q, std::span<Pose> X_WB);
+
+  /// How much of a wish to move the place on the last link stays undone where the chain is now: 0 in directions in which it moves freely, 1
+  /// in those in which it is stretched out or at its limits. Symmetric.
+  /// @param place m, in the world @param wish m, for its direction: limits count that would be passed
+  [[nodiscard]] Mat3 resistance(std::span<const int> chain, const Vec3& place, const Vec3& wish, double length, const double* q,
+                                std::span<const Pose> X_WB);
 
   /// Brings the joint's coordinates inside its limits. @return true if they were outside
   bool clamp(int link, double* q) const;
@@ -52,7 +58,7 @@ class ChainSolver {
     bool held = false;
   };
   void gather(std::span<const int> chain, const double* q, std::span<const Pose> X_WB);
-  void find_step(const Vec3& e1, const Vec3& e2, const Vec3& along, double damping, bool turn);
+  void find_step(const Vec3& first, const Vec3& turn_error, const Vec3& along, double damping, bool turn);
   void apply(std::span<const int> chain, double share, double* q, std::span<Pose> X_WB);
   void save(std::span<const int> chain, const double* q);
   void restore(std::span<const int> chain, double* q, std::span<Pose> X_WB) const;

@@ -392,7 +392,7 @@ void Driver::turn_end(const LimbRig& limb, const Mat3& R, double* q, std::span<P
   solver_.solve(limb.ankle, goal, q, X);
 }
 
-double Driver::reach(int k, const Pose& X_goal, double* q, std::span<Pose> X) {
+double Driver::reach(int k, const Pose& X_goal, double* q, std::span<Pose> X, bool turn) {
   const LimbRig& limb = t_.limbs[at(k)];
   const Vec3 place = X_goal * limb.end_point;
   const double enough = 1e-8 * limb.length;
@@ -416,11 +416,16 @@ double Driver::reach(int k, const Pose& X_goal, double* q, std::span<Pose> X) {
     goal.iterations = 30;
     misses = solver_.solve(limb.movers, goal, q, X);
   }
-  if (!limb.point_foot)
+  if (!limb.point_foot && turn)
     turn_end(limb, X_goal.R, q, X);
   else
     place_from(limb, limb.chain.front(), q, X);
   return misses;
+}
+
+Mat3 Driver::resistance(int k, const Vec3& wish, const double* q, std::span<const Pose> X) {
+  const LimbRig& limb = t_.limbs[at(k)];
+  return solver_.resistance(limb.movers, X[at(limb.end)] * limb.end_point, wish, limb.length, q, X);
 }
 
 std::vector<std::string> Driver::words() const {

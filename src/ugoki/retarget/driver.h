@@ -32,8 +32,11 @@ class Driver {
   /// @param q [nq of the target, in and out] in: the frame before (or the standing position), from which solutions start
   /// @param X [links of the target, out]
   void pose(std::span<const double> q_S, std::span<const Pose> X_S, std::span<double> q, std::span<Pose> X);
-  /// Brings the end of a limb there. @return m, what is missing
-  double reach(int limb, const Pose& X_goal, double* q, std::span<Pose> X);
+  /// Brings the end of a limb there. @param turn false: what is behind the led place keeps its joints
+  /// @return m, what is missing
+  double reach(int limb, const Pose& X_goal, double* q, std::span<Pose> X, bool turn = true);
+  /// ChainSolver::resistance of a limb's end where it is.
+  [[nodiscard]] Mat3 resistance(int limb, const Vec3& wish, const double* q, std::span<const Pose> X);
   /// Orientation that the end of the limb should have.
   [[nodiscard]] Mat3 end_turn(int limb, std::span<const Pose> X_S) const;
   /// Where the led place of the limb should be, seen from the target's hip or shoulder.

@@ -72,6 +72,55 @@ void flatten(FootPlan& plan, const Mat3& F, double rate) {
   }
 }
 
+void step_where_dragged(FootPlan& plan, double rate, double length) {
+  constexpr double most_drag = 0.2, step_height = 0.12;    // of the leg's length
+  constexpr double step_time = 0.12, least_stance = 0.06;  // s
+  std::vector<std::uint8_t>& on = plan.raw.bears;
+  const int n = static_cast<int>(on.size()), half = std::max(1, static_cast<int>(step_time * rate));
+  const auto place = [&](int f) { return plan.raw.X_WF[at(f)].p; };
+  const auto off = [&](int f, const Vec3& from) {
+    const Vec3 d = place(f) - from;
+    return std::sqrt(d.x * d.x + d.y * d.y);
+  };
+  const std::vector<std::uint8_t> stood = on;
+  for (int first = 0; first < n; ++first) {
+    if (!stood[at(first)] || (first > 0 && stood[at(first - 1)])) continue;
+    int last = first;
+    while (last + 1 < n && stood[at(last + 1)]) ++last;
+    // From one step to the next: as long as the foot may stand where it would be in the middle.
+    Vec3 from = place(first);
+    int began = first;
+    for (int f = first; f <= last; ++f) {
+      if (off(f, from) < most_drag * length) continue;
+      const int lift = std::max(began, f - half), land = std::min(last, f + half);
+      for (int i = lift; i <= land; ++i) on[at(i)] = 0;
+      began = land + 1;
+      f = land;
+      if (began <= last) from = place(began);
+    }
+  }
+  const int least = static_cast<int>(least_stance * rate + 0.5);
+  for (int first = 0; first < n; ++first) {
+    if (!on[at(first)] || (first > 0 && on[at(first - 1)])) continue;
+    int last = first;
+    while (last + 1 < n && on[at(last + 1)]) ++last;
+    if (last - first + 1 < least && (first > 0 && last + 1 < n))
+      for (int i = first; i <= last; ++i) on[at(i)] = 0;
+    first = last;
+  }
+  // A step that the source did not make is lifted.
+  for (int first = 0; first < n; ++first) {
+    if (!stood[at(first)] || on[at(first)]) continue;
+    int last = first;
+    while (last + 1 < n && stood[at(last + 1)] && !on[at(last + 1)]) ++last;
+    for (int i = first; i <= last; ++i) {
+      const double s = (i - first + 1.0) / (last - first + 2.0);
+      plan.raw.X_WF[at(i)].p.z += step_height * length * 16 * s * s * (1 - s) * (1 - s);
+    }
+    first = last;
+  }
+}
+
 void delay(FootPlan& plan, std::vector<std::uint8_t>& bears, int frames) {
   if (frames == 0) return;
   const int n = static_cast<int>(bears.size());

@@ -26,6 +26,11 @@ struct FootPlan {
 /// Feet of another kind: level while they stand, hanging a little while they swing.
 void flatten(FootPlan& plan, const Mat3& F, double rate);
 
+/// Feet that cannot stand as long as the source's do (fore paws while the figure turns on the spot): where a stance would be dragged over
+/// more than a share of the leg's length, the foot steps instead.
+/// @param length m, of the leg
+void step_where_dragged(FootPlan& plan, double rate, double length);
+
 /// Shifts a foot's part of the motion by a share of a stride. @param frames of delay; earlier frames are repeated
 void delay(FootPlan& plan, std::vector<std::uint8_t>& bears, int frames);
 /// Median time between a foot's landings, in frames; 0: it lands less than twice.

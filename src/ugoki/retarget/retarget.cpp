@@ -120,6 +120,7 @@ class Retargeting {
         X.p += plan.from_hip[at(f)];
         X.R = plan.turn[at(f)];
       }
+      if (drive.mode == LimbMode::stood) step_where_dragged(plan, in_.rate, t_.limbs[at(plan.limb)].length);
     }
     pin();
   }
@@ -131,42 +132,61 @@ class Retargeting {
     for (std::size_t k = 0; k < feet_.size(); ++k) feet_[k].path = std::move(paths[k]);
   }
 
-  /// Legs of one frame, with the root moved by `shift`. @return what the standing feet still need of the root, on average
-  Vec3 solve_frame(int f, const Vec3& shift, double& worst) {
+  /// Legs of one frame, with the root moved by `shift`. @return what the standing feet miss at most
+  double solve_frame(int f, const Vec3& shift) {
     std::copy_n(posture(f), m_.nq(), frame(f));
     calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
-    Vec3 need;
-    int count = 0;
-    worst = 0;
+    double worst = 0;
     for (FootPlan& plan : feet_) {
       if (!o_.keep_contacts && driver_.limb(plan.limb).mode == LimbMode::copied) continue;
       const LimbRig& limb = t_.limbs[at(plan.limb)];
-      const double enough = near_enough * t_.leg_length;
       Pose goal = plan.path.X_WF[at(f)];
       goal.p = goal.p - shift - goal.R * limb.end_point;
       plan.miss[at(f)] = driver_.reach(plan.limb, goal, frame(f), X_);
-      if (!plan.path.bears[at(f)] || plan.miss[at(f)] < enough) continue;
-      worst = std::max(worst, plan.miss[at(f)]);
-      need += goal * limb.end_point - X_[at(limb.end)] * limb.end_point;
-      ++count;
+      if (plan.path.bears[at(f)]) worst = std::max(worst, plan.miss[at(f)]);
     }
-    if (m_.link(0).joint.type == JointType::floating) {
-      const Vec3 own = transpose_times(m_.link(0).joint.X_PJ.R, shift);
-      for (int k = 0; k < 3; ++k) frame(f)[k] += own[k];
-    }
-    return count > 0 ? need / count : need;
+    return worst;
   }
 
-  /// A place of the root at which all standing feet reach, found by moving it towards what they lack (projection onto what each can reach).
+  void shift_root(int f, const Vec3& shift) {
+    if (m_.link(0).joint.type != JointType::floating) return;
+    const Vec3 own = transpose_times(m_.link(0).joint.X_PJ.R, shift);
+    for (int k = 0; k < 3; ++k) frame(f)[k] += own[k];
+  }
+
+  /// A place of the root at which all standing feet reach: Newton's method on what the limbs cannot do themselves.
   Vec3 find_shift(int f, Vec3 shift) {
-    double worst = 0;
-    const double enough = near_enough * t_.leg_length;
-    for (int i = 0; i < 30; ++i) {
-      const Vec3 need = solve_frame(f, shift, worst);
+    const double enough = near_enough * t_.leg_length, longest = 0.15 * t_.leg_length;
+    Vec3 best = shift;
+    double least = 1e300;
+    for (int i = 0; i < 12; ++i) {
+      const double worst = solve_frame(f, shift);
+      if (worst < least) {
+        least = worst;
+        best = shift;
+      }
       if (worst < enough) break;
-      shift += need * 1.5;
+      Vec3 wish, pull;
+      std::vector<Vec3>& lacks = lacks_;
+      lacks.clear();
+      for (const FootPlan& plan : feet_) {
+        const LimbRig& limb = t_.limbs[at(plan.limb)];
+        lacks.push_back(plan.path.bears[at(f)] ? plan.path.X_WF[at(f)].p - shift - X_[at(limb.end)] * limb.end_point : Vec3{});
+        wish += lacks.back();
+      }
+      Mat3 A = Mat3::diagonal(1e-4, 1e-4, 1e-4);
+      for (std::size_t k = 0; k < feet_.size(); ++k) {
+        if (!feet_[k].path.bears[at(f)]) continue;
+        // A foot that is where it should be resists being taken along by the root.
+        const bool there = norm(lacks[k]) < enough;
+        const Mat3 P = driver_.resistance(feet_[k].limb, there ? -wish : lacks[k], frame(f), X_);
+        A += P * P;
+        pull += P * (P * lacks[k]);
+      }
+      const Vec3 step = inverse(A) * pull;
+      shift += step * std::min(1.0, longest / std::max(norm(step), 1e-12));
     }
-    return shift;
+    return best;
   }
 
   /// A smooth curve that is nowhere less than the given one within shift_time: greatest of the neighbourhood, then averaged.
@@ -201,7 +221,6 @@ class Retargeting {
   void solve_all() {
     std::vector<Vec3> shift(at(in_.frames)), extra(at(in_.frames));
     const bool movable = m_.link(0).joint.type == JointType::floating && o_.keep_contacts;
-    double worst = 0;
     const double enough = near_enough * t_.leg_length;
     for (int round = 0;; ++round) {
       bool any = false;
@@ -209,12 +228,14 @@ class Retargeting {
       for (int f = 0; f < in_.frames; ++f) {
         extra[at(f)] = {};
         if (round > 0 && !dirty_[at(f)]) continue;
-        solve_frame(f, shift[at(f)], worst);
-        if (!movable || worst < enough) continue;
-        const Vec3 found = find_shift(f, shift[at(f)]);
-        extra[at(f)] = found - shift[at(f)];
-        any = true;
-        if (last) shift[at(f)] = found;
+        if (solve_frame(f, shift[at(f)]) > enough && movable) {
+          const Vec3 found = find_shift(f, shift[at(f)]);
+          extra[at(f)] = found - shift[at(f)];
+          any = any || extra[at(f)] != Vec3{};
+          if (last) shift[at(f)] = found;
+          (void)solve_frame(f, shift[at(f)]);
+        }
+        shift_root(f, shift[at(f)]);
       }
       if (!any || last) break;
       const std::vector<Vec3> smooth = envelope(extra);
@@ -249,63 +270,70 @@ class Retargeting {
         worst = std::max(worst, 3 - off.trace());
       }
     }
-    if (worst < 1e-7) return;  // angle^2: a third of a milliradian
-    for (std::size_t k = 0; k < feet_.size(); ++k) {
-      if (t_.limbs[at(feet_[k].limb)].point_foot) continue;
-      for (int f = 0; f < in_.frames; ++f) feet_[k].raw.X_WF[at(f)].R = real[k][at(f)].R;
+    if (worst > 1e-7) {  // angle^2: a third of a milliradian
+      for (std::size_t k = 0; k < feet_.size(); ++k) {
+        if (t_.limbs[at(feet_[k].limb)].point_foot) continue;
+        for (int f = 0; f < in_.frames; ++f) feet_[k].raw.X_WF[at(f)].R = real[k][at(f)].R;
+      }
+      pin();
+      dirty_.clear();
+      solve_all();
     }
-    pin();
-    dirty_.clear();
-    solve_all();
-    for (FootPlan& plan : feet_)
-      if (!t_.limbs[at(plan.limb)].point_foot) roll(plan);
+    for (FootPlan& plan : feet_) {
+      const LimbRig& limb = t_.limbs[at(plan.limb)];
+      int stances = 0;
+      if (!limb.point_foot && (worst > 1e-7 || limb.sole.parts.size() > 1 || path_skate(plan.path, stances) > 2e-3)) roll(plan);
+    }
   }
 
-  /// Lowest place of the sole, in the foot's frame. @param z m, out: its height
-  [[nodiscard]] Vec3 lowest_place(const FootPlan& plan, int f, const Pose& X_WF, double& z) const {
-    const std::size_t count = t_.limbs[at(plan.limb)].sole.points.size();
-    Vec3 lowest;
-    z = 1e300;
-    for (std::size_t i = 0; i < count; ++i) {
-      const SupportPoint& s = plan.path.points[at(f) * count + i];
-      const Vec3 p = s.p + transpose_times(X_WF.R, Vec3{0, 0, -s.radius});
-      if (const double height = (X_WF * p).z; height < z) {
-        z = height;
-        lowest = p;
-      }
+  /// The lowest place of a sole: its bottom in its own link's frame, and that link's pose in the foot's.
+  struct Bearing {
+    std::size_t point = 0;
+    Vec3 bottom;
+    double height = 1e300;
+  };
+  [[nodiscard]] Bearing find_bearing(const LimbRig& limb, const Pose& X_WF, std::span<const Pose> X_FP) const {
+    Bearing out;
+    for (std::size_t i = 0; i < limb.sole.points.size(); ++i) {
+      const SupportPoint& s = limb.sole.points[i].place;
+      const Pose X = X_WF * X_FP[i];
+      const Vec3 bottom = s.p + transpose_times(X.R, Vec3{0, 0, -s.radius});
+      if (const double height = (X * bottom).z; height < out.height) out = {i, bottom, height};
     }
-    return lowest;
+    return out;
   }
 
   /// From frame to frame: the place that bears stays where it was in the frame before, at the height of the plan.
   void roll(FootPlan& plan) {
     const LimbRig& limb = t_.limbs[at(plan.limb)];
+    const std::vector<LinkPoint>& points = limb.sole.points;
     const double fade = 1 / (1 + fade_time * in_.rate);
+    std::vector<Pose> X_FP(points.size()), X_WP(points.size());
     Vec3 off;  // of the foot from its plan
-    Pose before;
     for (int f = 0; f < in_.frames; ++f) {
       const bool stands = plan.path.bears[at(f)] != 0, stood = f > 0 && plan.path.bears[at(f - 1)] != 0;
-      const Pose& planned = plan.path.X_WF[at(f)];
-      double height = 0, z = 0;
-      (void)lowest_place(plan, f, planned, height);
       if (!stands) off = off * (1 - fade);
       calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
       Pose X = X_[at(limb.end)];
-      for (int i = 0; i < 4; ++i) {
+      for (std::size_t i = 0; i < points.size(); ++i) X_FP[i] = X.inverse() * X_[at(points[i].link)];
+      const Pose& planned = plan.path.X_WF[at(f)];
+      const double height = find_bearing(limb, planned, X_FP).height;
+      for (int i = 0; i < 8; ++i) {
+        const Bearing low = find_bearing(limb, X, X_FP);
+        const Vec3 in_foot = X_FP[low.point] * low.bottom;
         Pose goal{planned.R, planned.p + off};
-        const Vec3 place = lowest_place(plan, f, X, z);
-        goal.p.z = height - (X.R * place).z;  // lowest place of the real sole at the planned height
+        goal.p.z = height - (X.R * in_foot).z;
         if (stands && stood) {
-          const Vec3 moved = goal.p + X.R * place - before * place;
+          const Vec3 moved = goal.p + X.R * in_foot - X_WP[low.point] * low.bottom;
           off -= Vec3{moved.x, moved.y, 0};
           goal.p -= Vec3{moved.x, moved.y, 0};
         }
-        plan.miss[at(f)] = driver_.reach(plan.limb, goal, frame(f), X_);
+        plan.miss[at(f)] = driver_.reach(plan.limb, goal, frame(f), X_, i == 0);
         const Mat3 turned = X.R.transposed() * X_[at(limb.end)].R;
         X = X_[at(limb.end)];
-        if (3 - turned.trace() < 1e-12) break;
+        if (i > 0 && 3 - turned.trace() < 1e-13) break;
       }
-      before = X;
+      for (std::size_t i = 0; i < points.size(); ++i) X_WP[i] = X * X_FP[i];
     }
   }
 
@@ -349,6 +377,7 @@ class Retargeting {
   std::vector<double> postures_, q_;
   std::vector<Pose> X_;
   std::vector<std::uint8_t> dirty_;
+  std::vector<Vec3> lacks_;
   Retargeted out_;
 };
 
@@ -358,10 +387,12 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
   double least = 1e300;
   RetargetOptions tried = options;
   const double usual = Driver(source, target, options.mapping).scale();
-  for (int i = 0; i < 7; ++i) {
+  for (int i = 0; i < 5; ++i) {
     Retargeted out = Retargeting(source, target, motion, tried).run();
     double most = 0;
     for (const Miss& miss : out.report.misses) most = std::max(most, miss.most);
+    // A root that has to be moved far looks as bad as a foot that does not reach.
+    most += 0.1 * std::max(0.0, out.report.greatest_shift - 0.1 * target.leg_length);
     if (most < least - 1e-4 || i == 0) {
       least = most;
       best = std::move(out);
@@ -370,7 +401,7 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
                                     " % shorter than those of the source, because the legs reach no further within their limits.");
     }
     if (most < 2e-3 * target.leg_length || options.path_scale > 0) break;
-    tried.path_scale = usual * pow(0.85, i + 1);
+    tried.path_scale = usual * pow(0.8, i + 1);
   }
   return best;
 }
