@@ -63,8 +63,8 @@ export interface StudioState {
   stopped: string | null;
   /** What stopped it, by place, until it runs again. */
   stop_problems: Problem[];
-  library: LibraryEntry[];
-  library_state: 'loading' | 'ready' | 'failed';
+  /** Grows when Session.entry() may answer otherwise than before. */
+  library_revision: number;
   mechanisms: Record<string, MechanismData>;
   selection: Selection;
   view: ViewOptions;
@@ -106,8 +106,7 @@ export const initial_state: StudioState = {
   log: [],
   stopped: null,
   stop_problems: [],
-  library: [],
-  library_state: 'loading',
+  library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },
   view: { perspective: true, ghosts: false, trail: false, contacts: false, nearest: false, follow: false, assist: true },
