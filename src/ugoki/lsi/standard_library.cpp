@@ -2,6 +2,7 @@
 
 #include "ugoki/circuit/signal_lsis.h"
 #include "ugoki/lsi/declare.h"
+#include "ugoki/lsi/motion_lsi.h"
 
 namespace ugoki::lsi {
 
@@ -16,6 +17,8 @@ const circuit::Library& standard_library() {
     add_collision(all);
     add_dynamics(all);
     add_status(all);
+    add_motion_operations(all);
+    add_intermediate_motion(all);
     add_naturalness(all);
     add_display(all);
     return all;
