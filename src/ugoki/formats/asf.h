@@ -51,4 +51,22 @@ struct AmcOptions {
 [[nodiscard]] Result<MeasuredMotion> read_amc(std::string_view text, std::string_view file_name, const Asf& asf,
                                               const AmcOptions& options = {}, ReadNotes* notes = nullptr);
 
+struct AmcWriteOptions {
+  double metres_per_unit = 0;  ///< 0: the unit of the file that the motion came from
+  int decimals = 10;           ///< digits after the point of lengths and angles [deg] of the motion, 1 ... 15
+};
+
+/// A skeleton and the motion that is read with it.
+struct AmcText {
+  std::string asf, amc;
+  std::vector<std::string> notes;  ///< sentences: what the formats cannot hold, or hold under another name
+};
+
+/// The motion as an ASF and an AMC file, Y up, degrees. Every joint that turns gets rx ry rz about the file's axes, every one whose
+/// translation was measured tx ty tz. A bone ends where its child starts; where the children of a joint start elsewhere, bones without
+/// freedoms lead to them
+/// ("to Name"), and the joint's own bone has no length: read back, joints of the same name have the same positions and rotations.
+/// O(frames * joints).
+[[nodiscard]] AmcText write_amc(const MeasuredMotion& motion, const AmcWriteOptions& options = {});
+
 }  // namespace ugoki::formats

@@ -1,0 +1,326 @@
+// Mechanisms as MuJoCo's XML.
+
+#include <cmath>
+#include <set>
+
+#include "ugoki/base/number.h"
+#include "ugoki/mechanism/state.h"
+#include "ugoki/robot_formats/robot_writer.h"
+#include "ugoki/robot_formats/written_notes.h"
+#include "ugoki/robot_formats/xml_text.h"
+
+namespace ugoki::robot_formats {
+namespace {
+
+class MjcfWriter {
+ public:
+  explicit MjcfWriter(const Mechanism& m) : m_(m) {}
+
+  RobotText write() {
+    xml_.begin("mujoco", attribute("model", m_.name().empty() ? std::string("mechanism") : m_.name()));
+    xml_.element("compiler", attribute("angle", "radian") + attribute("inertiafromgeom", "false"));
+    write_meshes();
+    xml_.begin("worldbody");
+    for (int i = 0; i < m_.link_count(); ++i) {
+      if (m_.link(i).parent >= 0) continue;
+      if (is_world(m_.link(i))) {
+        for (const Shape& s : m_.link(i).shapes) write_geom(m_.link(i), s);
+        for (int c = m_.link(i).child; c >= 0; c = m_.link(c).brother) write_tree(c);
+      } else {
+        write_tree(i);
+      }
+    }
+    xml_.end();
+    write_motors();
+    write_equalities();
+    xml_.end();
+    RobotText out;
+    out.text = xml_.take();
+    out.notes = notes_.take();
+    return out;
+  }
+
+ private:
+  /// What readers make of the shapes of the world itself.
+  static bool is_world(const Link& l) {
+    return l.name == "world" && l.parent < 0 && l.joint.type == JointType::fixed && l.joint.X_PJ.p == Vec3{} &&
+           l.joint.X_PJ.R == Mat3::identity();
+  }
+  /// "world" is taken by the world.
+  static std::string body_name(const Link& l) { return l.name == "world" && !is_world(l) ? "world link" : l.name; }
+
+  static std::string placement(const Pose& X) {
+    std::string out;
+    if (X.p != Vec3{}) out += attribute("pos", X.p);
+    if (X.R != Mat3::identity()) out += attribute("quat", to_quat(X.R));
+    return out;
+  }
+
+  void write_meshes() {
+    for (const Link& l : m_.links())
+      for (const Shape& s : l.shapes)
+        if (s.type == ShapeType::mesh) meshes_.emplace(s.geometry.get(), "mesh" + std::to_string(meshes_.size() + 1));
+    if (meshes_.empty()) return;
+    xml_.begin("asset");
+    for (const Link& l : m_.links())
+      for (const Shape& s : l.shapes) {
+        const auto it = s.type == ShapeType::mesh ? meshes_.find(s.geometry.get()) : meshes_.end();
+        if (it == meshes_.end() || !written_.insert(it->second).second) continue;
+        std::string vertices, faces;
+        for (const Vec3& v : s.geometry->vertices) vertices += (vertices.empty() ? "" : " ") + numbers(v);
+        for (const Triangle& t : s.geometry->triangles)
+          for (const std::int32_t i : t) faces += (faces.empty() ? "" : " ") + std::to_string(i);
+        xml_.element("mesh", attribute("name", it->second) + attribute("vertex", vertices) + attribute("face", faces));
+      }
+    xml_.end();
+  }
+
+  /// The link and what hangs on it; no recursion, so that a long chain cannot exhaust the stack.
+  void write_tree(int root) {
+    struct Visit {
+      int next;  ///< child to go on with; -1: none left
+    };
+    std::vector<Visit> stack;
+    open(root);
+    stack.push_back({m_.link(root).child});
+    while (!stack.empty()) {
+      const int child = stack.back().next;
+      if (child < 0) {
+        xml_.end();
+        stack.pop_back();
+        continue;
+      }
+      stack.back().next = m_.link(child).brother;
+      open(child);
+      stack.push_back({m_.link(child).child});
+    }
+  }
+
+  void open(int i) {
+    const Link& l = m_.link(i);
+    xml_.begin("body", attribute("name", body_name(l)) + placement(l.joint.X_PJ));
+    if (l.inertia.mass > 0) {
+      const Sym3 I = l.inertia.about_centre();
+      std::string moments;
+      for (const double x : {I.xx, I.yy, I.zz, I.xy, I.xz, I.yz}) moments += (moments.empty() ? "" : " ") + to_text(x);
+      xml_.element("inertial",
+                   attribute("pos", l.inertia.centre()) + attribute("mass", l.inertia.mass) + attribute("fullinertia", moments));
+    } else if (l.joint.nv() > 0) {
+      notes_.add("MuJoCo refuses moving bodies without mass; % has none.", l.name);
+    }
+    write_joints(l);
+    for (const Shape& s : l.shapes) write_geom(l, s);
+  }
+
+  static std::string properties(const Freedom& f) {
+    std::string out;
+    if (f.stiffness != 0) out += attribute("stiffness", f.stiffness) + attribute("springref", f.rest);
+    if (f.damping != 0) out += attribute("damping", f.damping);
+    if (f.armature != 0) out += attribute("armature", f.armature);
+    if (f.friction != 0) out += attribute("frictionloss", f.friction);
+    return out;
+  }
+  static std::string range(const Freedom& f) {
+    if ((!std::isfinite(f.lower) && !std::isfinite(f.upper)) || f.lower == f.upper) return {};  // held fast: by an equality
+    return attribute("limited", "true") +
+           attribute("range", std::string_view(to_text(std::max(f.lower, -no_limit)) + ' ' + to_text(std::min(f.upper, no_limit))));
+  }
+
+  void write_joints(const Link& l) {
+    const Joint& j = l.joint;
+    const std::vector<SimpleJoint> parts = simple_joints(j);
+    if (parts.size() > 1)
+      notes_.add("The " + std::string(name_of(j.type)) + " joint of % became " + std::to_string(parts.size()) + " joints of one body.",
+                 l.name);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const bool follows = j.type == JointType::helical && k == 1;
+      const Freedom f = follows ? Freedom{} : j.freedoms[static_cast<std::size_t>(parts[k].freedom)];
+      xml_.element("joint", attribute("name", joint_name(l, static_cast<int>(k))) + attribute("type", parts[k].slides ? "slide" : "hinge") +
+                                attribute("axis", parts[k].axis) + range(f) + properties(f));
+    }
+    if (j.type != JointType::spherical && j.type != JointType::floating) return;
+    // One set of properties for all freedoms.
+    Freedom f = j.freedoms[0];
+    for (int k = 0; k < j.nv(); ++k) {
+      const Freedom& one = j.freedoms[static_cast<std::size_t>(k)];
+      if (one.damping != f.damping || one.stiffness != f.stiffness || one.armature != f.armature || one.friction != f.friction)
+        notes_.add("The freedoms of % have springs, damping or rotors of their own; those of the first are written.", l.name);
+      if (one.rest != 0) notes_.add("Springs of balls are relaxed in the neutral position (%).", l.name);
+    }
+    f.rest = 0;
+    if (j.type == JointType::floating && l.parent < 0) {
+      if (properties(f).empty())
+        xml_.element("freejoint", attribute("name", l.name));
+      else
+        xml_.element("joint", attribute("name", l.name) + attribute("type", "free") + properties(f));
+      return;
+    }
+    if (j.type == JointType::floating) {
+      notes_.add("The floating joint of % became three slides and a ball: MuJoCo has free joints only at the world.", l.name);
+      const char* const names[] = {" x", " y", " z"};
+      for (int k = 0; k < 3; ++k) {
+        Vec3 axis;
+        axis[k] = 1;
+        xml_.element("joint", attribute("name", l.name + names[k]) + attribute("type", "slide") + attribute("axis", axis));
+      }
+    }
+    double most = 0;
+    bool limited = false, even = true;
+    for (std::size_t k = 0; k < 3 && j.type == JointType::spherical; ++k) {
+      const Freedom& one = j.freedoms[k];
+      limited = limited || std::isfinite(one.lower) || std::isfinite(one.upper);
+      even = even && one.lower == -one.upper && one.upper == j.freedoms[0].upper;
+      most = std::max(most, std::max(-one.lower, one.upper));
+    }
+    if (limited && !even) notes_.add("A ball's limits are one angle for all directions; those of % are left out.", l.name);
+    xml_.element("joint", attribute("name", l.name) + attribute("type", "ball") + properties(f) +
+                              (limited && even ? attribute("limited", "true") + attribute("range", std::string_view("0 " + to_text(most)))
+                                               : std::string()));
+  }
+
+  /// Of the k-th simple joint.
+  static std::string joint_name(const Link& l, int k) {
+    const std::size_t count = simple_joints(l.joint).size();
+    return count > 1 ? l.name + " " + std::to_string(k + 1) : l.name;
+  }
+  /// Of a freedom of a joint that is made of simple ones.
+  static std::string name_of_freedom(const Link& l, int freedom) {
+    const std::vector<SimpleJoint> parts = simple_joints(l.joint);
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      if (parts[k].freedom == freedom) return joint_name(l, static_cast<int>(k));
+    return {};
+  }
+
+  void write_geom(const Link& l, const Shape& s) {
+    std::string what;
+    switch (s.type) {
+      case ShapeType::sphere: what = attribute("type", "sphere") + attribute("size", s.radius); break;
+      case ShapeType::capsule:
+      case ShapeType::cylinder:
+        what = attribute("type", s.type == ShapeType::capsule ? "capsule" : "cylinder") +
+               attribute("size", std::string_view(to_text(s.radius) + ' ' + to_text(s.half_length)));
+        break;
+      case ShapeType::box: what = attribute("type", "box") + attribute("size", s.half_extents); break;
+      case ShapeType::ellipsoid: what = attribute("type", "ellipsoid") + attribute("size", s.half_extents); break;
+      case ShapeType::mesh: what = attribute("type", "mesh") + attribute("mesh", meshes_.find(s.geometry.get())->second); break;
+      case ShapeType::height_field: notes_.add("Height fields (%) are not written.", l.name); return;
+    }
+    if (s.restitution != 0) notes_.add("Restitution has no place in MJCF (%).", l.name);
+    if (!s.visible) what += attribute("rgba", "0.5 0.5 0.5 0");
+    xml_.element("geom", what + placement(s.X_BS) +
+                             (s.collides ? attribute("friction", std::string_view(to_text(s.friction) + " 0.005 0.0001"))
+                                         : attribute("contype", "0") + attribute("conaffinity", "0")));
+  }
+
+  void write_motors() {
+    bool any = false;
+    for (const Link& l : m_.links()) {
+      const std::vector<SimpleJoint> parts = simple_joints(l.joint);
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        const double effort = l.joint.freedoms[static_cast<std::size_t>(parts[k].freedom)].effort;
+        if (!std::isfinite(effort) || (l.joint.type == JointType::helical && k == 1)) continue;
+        if (!any) xml_.begin("actuator");
+        any = true;
+        const std::string joint = joint_name(l, static_cast<int>(k)), bounds = to_text(-effort) + ' ' + to_text(effort);
+        xml_.element("motor", attribute("name", joint) + attribute("joint", joint) + attribute("forcelimited", "true") +
+                                  attribute("forcerange", bounds));
+      }
+      if (parts.empty())
+        for (int k = 0; k < l.joint.nv(); ++k)
+          if (std::isfinite(l.joint.freedoms[static_cast<std::size_t>(k)].effort))
+            notes_.add("Bounds of the effort of balls are not written (%).", l.name);
+    }
+    if (any) xml_.end();
+  }
+
+  // --- equalities
+
+  void write_equalities() {
+    std::vector<std::pair<const char*, std::string>> rows;
+    std::vector<Pose> X(static_cast<std::size_t>(m_.link_count()));
+    const std::vector<double> q = m_.neutral();
+    calc_poses(m_, q, X);
+    for (const LoopSpec& loop : all_loops(m_)) {
+      const std::string head = attribute("name", loop.name) + (loop.closed ? "" : attribute("active", "false"));
+      const int a = m_.find_link(loop.link_a), b = m_.find_link(loop.link_b);
+      switch (loop.type) {
+        case LoopType::weld: {
+          // Body 2's pose in body 1. Body 1 may not be the world everywhere, so that is body 2.
+          const bool swap = a < 0;
+          const Pose relative = swap ? loop.X_BJ * loop.X_AJ.inverse() : loop.X_AJ * loop.X_BJ.inverse();
+          const Quat r = to_quat(relative.R);
+          rows.emplace_back("weld", head + bodies(swap ? b : a, swap ? a : b) +
+                                        attribute("relpose", std::string_view(numbers(relative.p) + ' ' + to_text(r.w) + ' ' +
+                                                                              to_text(r.x) + ' ' + to_text(r.y) + ' ' + to_text(r.z))));
+          break;
+        }
+        case LoopType::ball:
+        case LoopType::revolute: {
+          const Pose X_WA = (a < 0 ? Pose{} : X[static_cast<std::size_t>(a)]) * loop.X_AJ,
+                     X_WB = (b < 0 ? Pose{} : X[static_cast<std::size_t>(b)]) * loop.X_BJ;
+          const bool revolute = loop.type == LoopType::revolute;
+          // Where the anchor lies in body 2 is told by the neutral position.
+          if (norm(X_WA.p - X_WB.p) > 1e-9 || (revolute && norm(cross(X_WA.R * loop.axis, X_WB.R * loop.axis)) > 1e-9)) {
+            notes_.add(
+                "The loop % is not closed in the neutral position, from which MuJoCo takes where it is in the second body; it is left out.",
+                loop.name);
+            break;
+          }
+          const bool swap = a < 0;
+          const Pose& J = swap ? loop.X_BJ : loop.X_AJ;
+          rows.emplace_back("connect", head + bodies(swap ? b : a, swap ? a : b) + attribute("anchor", J.p));
+          if (!revolute) break;
+          notes_.add("The revolute loop % is held at two points of its axis, 0.1 m apart.", loop.name);
+          rows.emplace_back("connect", attribute("name", loop.name + " axis") + (loop.closed ? "" : attribute("active", "false")) +
+                                           bodies(swap ? b : a, swap ? a : b) + attribute("anchor", J.p + J.R * loop.axis * 0.1));
+          break;
+        }
+        case LoopType::gear: {
+          std::string c;
+          for (const double x : loop.polynomial) c += (c.empty() ? "" : " ") + to_text(x);
+          rows.emplace_back("joint", head + attribute("joint1", name_of_freedom(m_.link(a), loop.freedom_a)) +
+                                         attribute("joint2", name_of_freedom(m_.link(b), loop.freedom_b)) + attribute("polycoef", c));
+          break;
+        }
+        default:
+          notes_.add("Loops of type " + std::string(name_of(loop.type)) + " have no equality in MJCF and are left out (%).", loop.name);
+      }
+    }
+    for (const Link& l : m_.links()) {
+      const std::vector<SimpleJoint> parts = simple_joints(l.joint);
+      for (std::size_t k = 0; k < parts.size(); ++k) {
+        const Freedom& f = l.joint.freedoms[static_cast<std::size_t>(parts[k].freedom)];
+        if (f.lower != f.upper || (l.joint.type == JointType::helical && k == 1)) continue;
+        const std::string joint = joint_name(l, static_cast<int>(k));
+        notes_.add("Joints without play between their limits (%) are held fast by an equality.", l.name);
+        rows.emplace_back("joint", attribute("name", joint + " held") + attribute("joint1", joint) +
+                                       attribute("polycoef", std::string_view(to_text(f.lower) + " 0 0 0 0")));
+      }
+    }
+    for (const Link& l : m_.links())
+      if (l.joint.type == JointType::helical)
+        rows.emplace_back("joint", attribute("name", l.name + " screw") + attribute("joint1", joint_name(l, 1)) +
+                                       attribute("joint2", joint_name(l, 0)) +
+                                       attribute("polycoef", std::string_view("0 " + to_text(l.joint.pitch) + " 0 0 0")));
+    if (rows.empty()) return;
+    xml_.begin("equality");
+    for (const auto& [kind, attributes] : rows) xml_.element(kind, attributes);
+    xml_.end();
+  }
+
+  std::string bodies(int first, int second) const {
+    return attribute("body1", body_name(m_.link(first))) + (second < 0 ? std::string() : attribute("body2", body_name(m_.link(second))));
+  }
+
+  const Mechanism& m_;
+  XmlText xml_;
+  WrittenNotes notes_;
+  std::map<const Geometry*, std::string> meshes_;
+  std::set<std::string> written_;
+};
+
+}  // namespace
+
+RobotText write_mjcf(const Mechanism& mechanism) { return MjcfWriter(mechanism).write(); }
+
+}  // namespace ugoki::robot_formats
