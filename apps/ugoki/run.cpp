@@ -119,6 +119,24 @@ Json measures_json(const content::PlayerMeasures& m) {
           {"let_go_time", m.let_go_time >= 0 ? Json(m.let_go_time) : Json(nullptr)}};
 }
 
+/// Who touched whom; null for the ground.
+Json touch_json(const RunReport& report, const content::PlayerTouch& t) {
+  const auto side = [&](int character, int link) -> Json {
+    if (character < 0) return nullptr;
+    const CharacterReport& c = report.characters[static_cast<std::size_t>(character)];
+    const bool named = link >= 0 && static_cast<std::size_t>(link) < c.links.size();
+    return {{"character", c.id}, {"link", named ? Json(c.links[static_cast<std::size_t>(link)]) : Json(nullptr)}};
+  };
+  return {{"time", t.time},
+          {"event", t.ended ? "end" : "begin"},
+          {"a", side(t.character_a, t.link_a)},
+          {"b", side(t.character_b, t.link_b)},
+          {"point_m", {t.point.x, t.point.y, t.point.z}},
+          {"impulse_Ns", {t.impulse.x, t.impulse.y, t.impulse.z}},
+          {"duration_s", t.duration},
+          {"text", t.words}};
+}
+
 int run_run(const Options& options) {
   Result<Content> content = load(options);
   if (!content) return print_error(content.error(), options.json);
@@ -153,6 +171,9 @@ int run_run(const Options& options) {
       characters.push_back(std::move(character));
     }
     json["characters"] = std::move(characters);
+    json["touches"] = Json::array();
+    for (const content::PlayerTouch& t : report->touches) json["touches"].push_back(touch_json(*report, t));
+    json["touch_count"] = report->touch_count;
     print_json(json);
     return 0;
   }

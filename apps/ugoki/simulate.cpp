@@ -68,6 +68,7 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
   const double frame_time = 1 / content.frame_rate;
   std::vector<std::byte> frames, encoded;
   content::DisplayFrame frame;
+  std::vector<content::PlayerTouch> touches;
   std::uint32_t frame_number = 0;
   const auto record = [&] {
     player->display_frame(frame);
@@ -84,8 +85,13 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
       until = std::clamp(static_cast<std::uint64_t>(std::llround(frame_number * frame_time / report.step)), done + 1, steps);
     const auto began = Clock::now();
     const double processor_began = processor_time();
-    for (; done < until; ++done)
+    for (; done < until; ++done) {
       if (Result<void> good = player->step(); !good) return fail(std::move(good.error()));
+      player->touches(touches);
+      report.touch_count += touches.size();
+      for (content::PlayerTouch& t : touches)
+        if (report.touches.size() < RunReport::most_touches) report.touches.push_back(std::move(t));
+    }
     report.wall += std::chrono::duration<double>(Clock::now() - began).count();
     report.processor += processor_time() - processor_began;
     if (!options.frames.empty() && static_cast<double>(done) * report.step >= frame_number * frame_time - 0.5 * report.step) record();
@@ -98,8 +104,14 @@ Result<RunReport> simulate(std::span<const std::byte> ugx, const std::string& na
   report.state_hash = player->state_hash();
   for (std::size_t i = 0; i < content.characters.size(); ++i) {
     const content::ExecutableCharacter& c = content.characters[i];
-    report.characters.push_back({c.id, c.name, content.mechanisms[static_cast<std::size_t>(c.mechanism)]->mass(),
-                                 c.control.mode == content::ControlMode::track && !c.track.empty(), player->measures(static_cast<int>(i))});
+    report.characters.push_back({c.id,
+                                 c.name,
+                                 content.mechanisms[static_cast<std::size_t>(c.mechanism)]->mass(),
+                                 c.control.mode == content::ControlMode::track && !c.track.empty(),
+                                 player->measures(static_cast<int>(i)),
+                                 {}});
+    for (const Link& link : content.mechanisms[static_cast<std::size_t>(c.mechanism)]->links())
+      report.characters.back().links.push_back(link.name);
   }
   if (!options.frames.empty())
     if (Result<void> written = files::write_file(options.frames, std::span<const std::byte>(frames)); !written)

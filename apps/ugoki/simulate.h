@@ -17,6 +17,7 @@ struct CharacterReport {
   double mass = 0;  ///< kg
   bool tracks = false;
   content::PlayerMeasures measures;
+  std::vector<std::string> links;  ///< names
 };
 
 struct RunReport {
@@ -29,6 +30,9 @@ struct RunReport {
   double processor = 0;    ///< s of processor time in steps alone: less than `wall` on a busy machine
   std::uint64_t state_hash = 0;
   std::vector<CharacterReport> characters;
+  std::vector<content::PlayerTouch> touches;  ///< that began or ended, at most most_touches
+  std::uint64_t touch_count = 0;              ///< all of them
+  static constexpr std::size_t most_touches = 10'000;
 
   /// The worst of all characters that follow a track; of all if none does.
   [[nodiscard]] content::PlayerMeasures worst() const;

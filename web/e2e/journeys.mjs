@@ -6,6 +6,7 @@ import assert from 'node:assert/strict';
 import { ready } from './browser.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { plugin_journeys } from './plugins.mjs';
+import { library_journeys } from './library.mjs';
 import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -384,17 +385,6 @@ export const journeys = [
     },
   },
   {
-    name: 'a refused import is explained with its place and a remedy',
-    async run({ page }) {
-      await page.locator('.library input[type=file]').setInputFiles({ name: mock ? 'broken.xyz' : 'broken.bvh', mimeType: 'text/plain', buffer: Buffer.from('HIERARCHY\nROOT Hips\n{\n  OFFSET 0 0\n') });
-      const toast = page.locator('.toast.error').last();
-      await toast.waitFor({ timeout: 15000 });
-      assert.match(await toast.locator('code').first().textContent(), /broken\.\w+/);
-      assert.ok((await toast.locator('.remedy').first().textContent()).length > 8);
-      await toast.getByRole('button', { name: 'Dismiss' }).click();
-    },
-  },
-  {
     name: 'with the keyboard alone: palette, mode, keys',
     async run({ page }) {
       await page.keyboard.press('Control+k');
@@ -435,6 +425,7 @@ export const journeys = [
       assert.equal(await shake_hands(service.address, `/ws?token=${token}`, { Host: 'evil.example:80' }), 403);
     },
   },
+  ...library_journeys,
   ...circuit_journeys,
   ...plugin_journeys,
   {

@@ -40,8 +40,8 @@ void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t
   w.u32(static_cast<std::uint32_t>(frame.contacts.size()));
   w.f32(frame.grab_point);
   w.f32(frame.grab_target);
-  w.f32(0.0);
-  w.f32(0.0);
+  w.u32(0);  // nearest pairs: a viewer's host adds them
+  w.u32(1);  // normals follow the contacts
   for (const DisplayCharacter& c : frame.characters) {
     w.u32(static_cast<std::uint32_t>(c.links.size()));
     w.u32(static_cast<std::uint32_t>(c.state));
@@ -63,6 +63,7 @@ void encode_frame(const DisplayFrame& frame, std::uint32_t number, std::uint32_t
     w.u32(static_cast<std::uint32_t>(c.character));
     w.u32(static_cast<std::uint32_t>(c.link));
   }
+  for (const DisplayContact& c : frame.contacts) w.f32(c.normal);
 }
 
 }  // namespace ugoki::content

@@ -29,8 +29,9 @@ struct DisplayCharacter {
 };
 
 struct DisplayContact {
-  Vec3 point;  ///< m, world
-  Vec3 force;  ///< N, world, on the link
+  Vec3 point;   ///< m, world
+  Vec3 force;   ///< N, world, on the link
+  Vec3 normal;  ///< unit, world: towards the link
   int character = 0, link = 0;
 };
 

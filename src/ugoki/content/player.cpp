@@ -6,6 +6,7 @@
 #include "ugoki/base/hash.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/lsi/standard_library.h"
+#include "ugoki/lsi/touch.h"
 #include "ugoki/lsi/track_sampler.h"
 #include "ugoki/mechanism/state.h"
 
@@ -23,6 +24,7 @@ struct Player::Machine {
   std::unique_ptr<lsi::World> world;
   std::unique_ptr<circuit::Interpreter> interpreter;
   PinView state, contacts, events, poses, figures, measures;
+  std::vector<PinView> touches;  // of every dynamics LSI
   std::span<std::byte> live;
   std::vector<PlayerInput> inputs;     // given so far
   std::vector<PlayerInput> scheduled;  // by step
@@ -125,6 +127,11 @@ Result<void> Player::Machine::bind() {
   m.poses = find_pin(i, "poses", PinTypeId::pose, lsi::World::payload_count(m.world->link_count()), problems);
   m.figures = find_pin(i, "figures", PinTypeId::joint_values, lsi::World::payload_count(people * lsi::figure_count), problems);
   m.measures = find_pin(i, "measures", PinTypeId::joint_values, lsi::World::payload_count(people * lsi::measure_count), problems);
+  m.touches.clear();
+  for (const circuit::Instance& lsi : m.circuit.lsis)
+    if (const auto pin = lsi.type == "dynamics" ? i.find_output(lsi.id + ".touches") : Result<PinView>(fail(Error()));
+        pin && pin->type == PinTypeId::event)
+      m.touches.push_back(*pin);
   m.live = m.interpreter->find_circuit_input("live");
   if (m.live.size() != sizeof(std::uint64_t) + most_live * sizeof(EventRecord))
     problems.add(ErrorCode::structure, "circuit/inputs", "The circuit has no input 'live' (event).",
@@ -198,6 +205,27 @@ Result<void> Player::step() {
   }
   lsi::set_count(m.live.data(), 0);
   return {};
+}
+
+void Player::touches(std::vector<PlayerTouch>& out) const {
+  out.clear();
+  for (const PinView& pin : machine_->touches) {
+    for (const EventRecord& e : lsi::records<EventRecord>(pin.bytes.data())) {
+      if (e.kind != EventKind::touch && e.kind != EventKind::parting) continue;
+      PlayerTouch t;
+      t.time = time();
+      t.ended = e.kind == EventKind::parting;
+      t.character_a = static_cast<int>(e.character);
+      t.link_a = e.link;
+      t.character_b = static_cast<int>(e.c.x);
+      t.link_b = static_cast<int>(e.c.y);
+      t.point = e.a;
+      t.impulse = e.b;
+      t.duration = e.duration;
+      t.words = lsi::describe_touch(*machine_->world, e);
+      out.push_back(std::move(t));
+    }
+  }
 }
 
 void Player::reset() {
@@ -322,7 +350,7 @@ void Player::display_frame(DisplayFrame& frame) {
   }
   frame.contacts.clear();
   for (const lsi::ContactRecord& c : lsi::records<lsi::ContactRecord>(m.contacts.bytes.data()))
-    if (norm(c.force) > 1e-9) frame.contacts.push_back({c.point.p, c.force, c.point.system_a, c.point.link_a});
+    if (norm(c.force) > 1e-9) frame.contacts.push_back({c.point.p, c.force, c.point.n, c.point.system_a, c.point.link_a});
   frame.grabbed = false;
   for (const EventRecord& e : lsi::records<EventRecord>(m.events.bytes.data())) {
     if (e.kind != EventKind::grab) continue;

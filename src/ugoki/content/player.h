@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -37,6 +38,17 @@ struct PlayerMeasures {
   int feet_on_ground = -1;  ///< now; -1: it has no feet
 };
 
+/// A touch of two links that began or ended in a step.
+struct PlayerTouch {
+  double time = 0;     ///< s, of the step's end
+  bool ended = false;  ///< true: it is over, and `impulse` is that of the whole touch; otherwise that of its first step
+  int character_a = -1, link_a = -1, character_b = -1, link_b = -1;  ///< -1, -1: the ground
+  Vec3 point;                                                        ///< m, world: where it began
+  Vec3 impulse;                                                      ///< N s, world, on link a
+  double duration = 0;                                               ///< s
+  std::string words;                                                 ///< for people: "hand left of anna touched box, 12 N s"
+};
+
 /// What the host of a player may give beyond the content.
 struct PlayerOptions {
   std::shared_ptr<const circuit::Library> library;  ///< all LSIs that the circuit may use; null: lsi::standard_library()
@@ -61,6 +73,8 @@ class Player {
   /// One step. An error names LSI, body, joint and time; the last good state stays, and further steps give the same error
   /// until restore or reset. Allocates nothing.
   [[nodiscard]] Result<void> step();
+  /// Touches that began or ended in the last step. @param out cleared and filled
+  void touches(std::vector<PlayerTouch>& out) const;
   [[nodiscard]] std::uint64_t step_count() const;  ///< done since time 0
   [[nodiscard]] double time() const;               ///< s
   /// Back to time 0, inputs forgotten.

@@ -15,6 +15,7 @@ struct WatchRequest {
   std::vector<std::string> pins;    ///< outputs of the flat circuit: "arm/elbow.out"
   std::vector<std::string> probes;  ///< outputs of which every step counts
   bool timing = false;
+  bool nearest = false;  ///< frames with the nearest points of all characters
 };
 
 class CircuitWatch {

@@ -72,6 +72,7 @@ Result<void> Interpreter::load(std::span<const std::byte> executable) {
   watch_.attach(nullptr);
   simulation_ = std::move(*opened);
   watch_.attach(simulation_->circuit());
+  nearest_.reset();
   begin_recording();
   for (const LiveInput& input : inputs) recording_->add_input(input);
   shown_ = std::clamp(shown_, 0.0, simulation_->duration());
@@ -346,6 +347,7 @@ bool Interpreter::advance_head() {
     return false;
   }
   watch_.stepped();
+  if (playing_ && goal_ != Goal::seek) tell_touches();
   record_head();
   if (recording_->full()) {
     stop(told(ErrorCode::range, "recording", "The recording is full (1 GB).", "Restart the simulation."));
@@ -485,7 +487,16 @@ void Interpreter::send(std::span<std::byte> bytes, double time, bool live) {
   std::uint32_t flags = playing_ ? content::frame_playing : 0u;
   if (mode_ == PlayMode::simulate) flags |= content::frame_simulate | (live ? content::frame_live : 0u);
   set_frame_marks(bytes, time, static_cast<std::uint32_t>(time * simulation_->frame_rate() + 0.5), flags);
-  sink_.frame(bytes);
+  if (show_nearest_ && !nearest_) nearest_ = std::make_unique<NearestPairs>(simulation_->mechanisms());
+  sink_.frame(show_nearest_ ? nearest_->added_to(bytes) : bytes);
+}
+
+void Interpreter::tell_touches() {
+  constexpr int most = 40;  // between two reports: a heap that falls does not drown the log
+  for (const std::string& touch : simulation_->touches()) {
+    if (++touches_told_ > most) return;
+    sink_.message(Json{{"event", "log"}, {"level", "info"}, {"text", touch}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  }
 }
 
 void Interpreter::anchor() {
@@ -555,7 +566,16 @@ void Interpreter::report_summary() {
   sink_.message(Json{{"event", "summary"}, {"characters", std::move(characters)}, {"contacts", std::move(contacts)}}.dump());
 }
 
-void Interpreter::watch(WatchRequest request) { watch_.set(std::move(request)); }
+void Interpreter::watch(WatchRequest request) {
+  const bool other = request.nearest != show_nearest_;
+  show_nearest_ = request.nearest;
+  watch_.set(std::move(request));
+  if (!other || !simulation_ || playing_) return;
+  if (mode_ == PlayMode::edit)
+    show_edit(shown_);
+  else
+    show_recorded(shown_);
+}
 
 double Interpreter::report_values() {
   if (!watch_.dirty()) return std::numeric_limits<double>::infinity();

@@ -17,6 +17,7 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/studio/circuit_watch.h"
+#include "ugoki/studio/nearest_pairs.h"
 #include "ugoki/studio/recording.h"
 #include "ugoki/studio/simulation.h"
 
@@ -86,6 +87,7 @@ class Interpreter {
   void show_edit(double time);
   void show_recorded(double time);
   void show_head();
+  void tell_touches();
   void send(std::span<std::byte> bytes, double time, bool live);
   void anchor();
   void finish_play();
@@ -121,6 +123,9 @@ class Interpreter {
   double transport_reported_ = -1, summary_reported_ = -1;
   bool summary_due_ = false;
   CircuitWatch watch_;
+  bool show_nearest_ = false;
+  std::unique_ptr<NearestPairs> nearest_;  ///< made when first shown
+  int touches_told_ = 0;                   ///< since the last report
   double values_reported_ = -1;
   std::string status_ = "ready";
   Error stop_;  ///< why it blew up

@@ -126,7 +126,7 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   if (op == "drag") return interpreter.drag(vec3_of(request, "target"));
   if (op == "release") return interpreter.release();
   if (op == "watch") {
-    interpreter.watch({texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false)});
+    interpreter.watch({texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false), request.value("nearest", false)});
     return {};
   }
   const std::string character = text_of(request, "character"), link = text_of(request, "link");

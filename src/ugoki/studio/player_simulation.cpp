@@ -1,7 +1,9 @@
 #include "ugoki/studio/player_simulation.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "ugoki/base/number.h"
 #include "ugoki/content/player.h"
 #include "ugoki/lsi/standard_library.h"
 #include "ugoki/plugin/guard.h"
@@ -69,6 +71,22 @@ class PlayerSimulation final : public Simulation {
   }
   circuit::Interpreter* circuit() override { return &player_.interpreter(); }
 
+  std::vector<MechanismPtr> mechanisms() const override { return player_.world().mechanisms(); }
+  std::vector<std::string> touches() override {
+    std::vector<std::string> told;
+    player_.touches(touches_);
+    for (const content::PlayerTouch& t : touches_) {
+      if (!t.ended) continue;
+      const std::vector<int>& feet = player_.world().characters()[static_cast<std::size_t>(t.character_a)].feet;
+      const bool step = t.character_b < 0 && std::ranges::find(feet, t.link_a) != feet.end();
+      if (step) continue;
+      told.push_back(to_fixed(t.time - t.duration, 2) + " s: " + name_of(t.character_a, t.link_a) + " touched " +
+                     name_of(t.character_b, t.link_b) + ", " + to_fixed(norm(t.impulse), norm(t.impulse) < 10 ? 2 : 1) + " N s in " +
+                     to_fixed(t.duration, 2) + " s");
+    }
+    return told;
+  }
+
   void encode_frame(std::vector<std::byte>& out) override {
     player_.display_frame(frame_);
     show_given();
@@ -89,6 +107,16 @@ class PlayerSimulation final : public Simulation {
   }
 
  private:
+  /// "left hand of Human", "Ball", "the ground"
+  [[nodiscard]] std::string name_of(int character, int link) const {
+    if (character < 0) return "the ground";
+    const content::ExecutableCharacter& c = player_.content().characters[static_cast<std::size_t>(character)];
+    const Mechanism& m = *player_.content().mechanisms[static_cast<std::size_t>(c.mechanism)];
+    if (m.link_count() == 1 || link < 0 || link >= m.link_count()) return c.name;
+    const Link& l = m.link(link);
+    return (l.label.empty() ? l.name : l.label) + " of " + c.name;
+  }
+
   /// What a user did since the last step: the player acts on it at the next one, the page sees it at once.
   enum class Given { nothing, grab, drag, release };
 
@@ -105,6 +133,7 @@ class PlayerSimulation final : public Simulation {
   content::Player player_;
   std::vector<CastMember> cast_;
   content::DisplayFrame frame_;
+  std::vector<content::PlayerTouch> touches_;
   Given given_ = Given::nothing;
   std::size_t grab_character_ = 0, grab_link_ = 0;
   Vec3 grab_point_, grab_target_;

@@ -226,7 +226,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       return refuse(405, {ErrorCode::unsupported, target_.path, "The studio answers GET, HEAD and POST only.", ""});
     }
     if (target_.path == "/ws") return upgrade();
-    const std::size_t limit = target_.path == "/api/import" ? server_.options.max_import_bytes : max_small_body;
+    const std::size_t limit =
+        target_.path == "/api/import" || target_.path.starts_with("/api/import/") ? server_.options.max_import_bytes : max_small_body;
     if (parser_->content_length().value_or(0) > limit) return refuse_size(limit);
     parser_->body_limit(limit);
     stream_.expires_after(server_.options.body_time);

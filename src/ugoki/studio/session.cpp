@@ -279,6 +279,7 @@ Result<void> Session::check_transport(const Request& request) const {
       if (!field(key).is_array() || field(key).size() > max_watched)
         return Request::wrong(key, "a list of at most " + std::to_string(max_watched) + " outputs");
     if (!field("timing").is_boolean()) return Request::wrong("timing", "true or false");
+    if (!field("nearest").is_null() && !field("nearest").is_boolean()) return Request::wrong("nearest", "true or false");
   } else if (op != "pause" && op != "restart" && op != "release") {
     return fail(ErrorCode::unknown, "op", "There is no operation \"" + op + "\".", "See docs/studio-protocol.md for those that there are.");
   }

@@ -11,6 +11,7 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/circuit/interpreter.h"
+#include "ugoki/mechanism/mechanism.h"
 #include "ugoki/spatial/vec3.h"
 
 namespace ugoki::studio {
@@ -54,6 +55,11 @@ class Simulation {
   virtual void grab(int character, int link, const Vec3& point, const Vec3& target) = 0;  ///< point in the link's frame
   virtual void drag(const Vec3& target) = 0;
   virtual void release() = 0;
+
+  /// Of the cast, in its order; empty: distances cannot be shown.
+  [[nodiscard]] virtual std::vector<MechanismPtr> mechanisms() const { return {}; }
+  /// Sentences about what touched what in the last step: ends of touches, but for feet on the ground.
+  [[nodiscard]] virtual std::vector<std::string> touches() { return {}; }
 
   /// Back to time 0.
   virtual void reset() {}

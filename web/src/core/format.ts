@@ -29,6 +29,13 @@ export function format_ruler(time: number, label_step: number): string {
   return `${t.toFixed(digits)} s`;
 }
 
+/** A distance between surfaces: "412 mm", "1.25 m"; below zero: "8 mm deep". */
+export function format_gap(metres: number): string {
+  if (metres < 0) return `${(-1000 * metres).toFixed(-metres < 0.0095 ? 1 : 0)} mm deep`;
+  if (metres < 0.9995) return `${(1000 * metres).toFixed(metres < 0.0095 ? 1 : 0)} mm`;
+  return `${metres.toFixed(2)} m`;
+}
+
 export const format_percent = (fraction: number, digits = 1): string => `${(fraction * 100).toFixed(digits)} %`;
 
 /** "38×", "0.4×" */

@@ -6,6 +6,8 @@ const header_bytes = 64;
 const character_floats = 14;
 const pose_floats = 7;
 const contact_floats = 8;
+const normal_floats = 3;
+const nearest_floats = 8;
 
 export const enum FigureState {
   tracking = 0,
@@ -40,6 +42,11 @@ export interface Frame {
   /** Index of the first contact, 8 floats each: point xyz, force xyz, character (word), link (word). */
   contacts: number;
   contact_count: number;
+  /** Index of the first contact's normal, 3 floats each, towards the link; -1: the frame has none. */
+  normals: number;
+  /** Index of the first pair of nearest points, 8 floats each: on a xyz, on b xyz (m), distance (m), characters a << 16 | b (word). */
+  nearest: number;
+  nearest_count: number;
 }
 
 /** Decodes one message, or says why it is none of ours. */
@@ -67,7 +74,14 @@ export function decode_frame(buffer: ArrayBuffer): Frame | string {
     figures.push({ links, state, data: at + 2, poses });
     at = next;
   }
-  if (at + contact_count * contact_floats > floats.length) return `the frame ends in its ${contact_count} contacts`;
+  const contacts = at;
+  const nearest_count = view.getUint32(56, true);
+  const has_normals = view.getUint32(60, true) === 1;
+  at += contact_count * contact_floats;
+  if (at > floats.length) return `the frame ends in its ${contact_count} contacts`;
+  const normals = has_normals ? at : -1;
+  if (has_normals) at += contact_count * normal_floats;
+  if (at + nearest_count * nearest_floats > floats.length) return `the frame ends in its ${nearest_count} nearest pairs`;
   return {
     time: view.getFloat64(8, true),
     number: view.getUint32(16, true),
@@ -79,8 +93,11 @@ export function decode_frame(buffer: ArrayBuffer): Frame | string {
     floats,
     words,
     grab: 8,
-    contacts: at,
+    contacts,
     contact_count,
+    normals,
+    nearest: at,
+    nearest_count,
   };
 }
 

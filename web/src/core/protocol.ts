@@ -132,7 +132,7 @@ export type Request =
   | { op: 'seek'; time: number }
   | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
   | { op: 'drag'; target: Vec3 }
-  | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean }
+  | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean; nearest: boolean }
   | { op: 'push'; character: string; link: number; force: Vec3; duration: number };
 
 export type Vec3 = [number, number, number];

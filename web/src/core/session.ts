@@ -34,6 +34,7 @@ export class Session {
   /** Of the running circuit, as far as `watch` asked for them. */
   readonly live = new LiveValues();
   private watched = '';
+  private looked_at: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
   private readonly client: Client;
   private readonly seeks: LatestOnly<number>;
   private readonly drags: LatestOnly<Vec3>;
@@ -52,6 +53,9 @@ export class Session {
       event: (event) => this.event(event),
       frame: (frame) => this.frames.push(frame),
       protocol_error: (message) => this.log('error', message),
+    });
+    this.store.subscribe((state, before) => {
+      if (state.view.nearest !== before.view.nearest || (state.connection === 'open' && before.connection !== 'open' && state.view.nearest)) this.send_watch();
     });
     this.seeks = new LatestOnly(
       (time) => this.client.request({ op: 'seek', time }),
@@ -231,10 +235,17 @@ export class Session {
 
   /** Which outputs, curves and times of the running circuit are looked at; nothing changes: nothing is sent. */
   watch(pins: string[], probes: string[], timing: boolean): void {
-    const wanted = JSON.stringify([pins, probes, timing]);
+    this.looked_at = { pins, probes, timing };
+    this.send_watch();
+  }
+
+  /** Asks for what is looked at in the circuit and in the viewport. */
+  private send_watch(): void {
+    const { nearest } = this.state.view;
+    const wanted = JSON.stringify([this.looked_at, nearest]);
     if (wanted === this.watched || this.state.connection !== 'open') return;
     this.watched = wanted;
-    this.client.request({ op: 'watch', pins, probes, timing }).catch(() => (this.watched = ''));
+    this.client.request({ op: 'watch', ...this.looked_at, nearest }).catch(() => (this.watched = ''));
   }
 
   private take_lsis(lsis: LsisEvent): void {

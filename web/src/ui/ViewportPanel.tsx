@@ -1,7 +1,7 @@
 import { useEffect, useRef, useState, type DragEvent, type ReactElement } from 'react';
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, FigureState } from '../core/frames';
-import { format_percent } from '../core/format';
+import { format_gap, format_percent } from '../core/format';
 import { bar_fraction, grade, measures, shown_value } from '../core/judge';
 import { show_key } from '../core/keymap';
 import { selected_character } from '../core/state';
@@ -97,6 +97,7 @@ export function ViewportPanel(): ReactElement {
       <ViewOptionsBar />
       {viewport && <ViewCube viewport={viewport} />}
       {viewport && <Badges viewport={viewport} />}
+      {viewport && <Distances viewport={viewport} />}
       <AssistCard />
       {running && <p className="viewport-hint">Press on a figure and pull</p>}
     </div>
@@ -109,6 +110,7 @@ function ViewOptionsBar(): ReactElement {
   const options: [keyof typeof view, string, string][] = [
     ['ghosts', 'Ghosts', 'view.ghosts'],
     ['contacts', 'Contacts', 'view.contacts'],
+    ['nearest', 'Distances', 'view.nearest'],
     ['trail', 'Centre of mass', 'view.trail'],
     ['follow', 'Follow', 'view.follow'],
   ];
@@ -126,6 +128,42 @@ function ViewOptionsBar(): ReactElement {
         <button key={option} type="button" aria-pressed={view[option]} title={`${registry.get(id)?.label ?? name}${key(id)}`} onClick={() => run(id)}>
           {name}
         </button>
+      ))}
+    </div>
+  );
+}
+
+const most_labels = 12;
+
+/** The distances of nearest points in mm (m when far), written at the middle of their lines without React. */
+function Distances({ viewport }: { viewport: Viewport }): ReactElement | null {
+  const on = useStudio((s) => s.view.nearest);
+  const host = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (!on) return;
+    const place = (): void => {
+      const labels = host.current?.children;
+      if (!labels) return;
+      const box = viewport.canvas.getBoundingClientRect();
+      for (let i = 0; i < labels.length; i++) {
+        const label = labels[i] as HTMLElement;
+        const pair = viewport.nearest_pairs[i];
+        const at = pair && viewport.to_client(pair.middle);
+        label.style.visibility = at ? 'visible' : 'hidden';
+        if (!pair || !at) continue;
+        label.textContent = format_gap(pair.distance);
+        label.dataset.overlap = String(pair.distance < 0);
+        label.style.transform = `translate(${at.x - box.left}px, ${at.y - box.top}px) translate(-50%, -50%)`;
+      }
+    };
+    place();
+    return viewport.on_draw(place);
+  }, [viewport, on]);
+  if (!on) return null;
+  return (
+    <div ref={host} className="distances" aria-hidden="true">
+      {Array.from({ length: most_labels }, (_, i) => (
+        <span key={i} className="distance" style={{ visibility: 'hidden' }} />
       ))}
     </div>
   );

@@ -185,6 +185,7 @@ const commands: AppCommand[] = [
   { id: 'view.ghosts', label: 'Ghosts', group: 'View', keys: ['O'], run: toggle('ghosts') },
   { id: 'view.trail', label: 'Centre-of-mass trail', group: 'View', keys: ['T'], run: toggle('trail') },
   { id: 'view.contacts', label: 'Contact forces', group: 'View', keys: ['C'], run: toggle('contacts') },
+  { id: 'view.nearest', label: 'Nearest points and their distance', group: 'View', keys: ['N'], run: toggle('nearest') },
   { id: 'view.assist', label: 'Root-assist arrow', group: 'View', run: toggle('assist') },
   { id: 'view.front', label: 'View from the front', group: 'View', keys: ['1'], run: look(0, 0.02) },
   { id: 'view.left', label: 'View from the left', group: 'View', keys: ['3'], run: look(Math.PI / 2, 0.02) },

@@ -1,7 +1,7 @@
 /** `window.ugoki`: what journeys in a browser read; nothing here changes anything. */
 import * as THREE from 'three';
 import { assist_force, assist_over_cap, body_weight, centre_of_mass, link_position } from '../core/frames';
-import { circuit, parts, session } from './app';
+import { circuit, imports, library, parts, session } from './app';
 
 export interface PageHook {
   readonly connected: boolean;
@@ -16,6 +16,14 @@ export interface PageHook {
   frame(): { time: number; number: number; playing: boolean; simulate: boolean; grabbing: boolean; contacts: number } | null;
   /** The wiring editor: the level that is shown, the selection, problems, and what is drawn. */
   circuit(): { name: string; edited: boolean; path: string[]; lsis: unknown[]; wires: string[]; notes: unknown[]; probes: unknown[]; circuits: string[]; selected: string[]; problems: string[]; facts: unknown } | null;
+  /** Pairs of nearest points as they are drawn. */
+  nearest(): { a: string; b: string; distance: number; simulate: boolean }[];
+  /** Normals of the contacts of the latest frame. */
+  normals(): [number, number, number][];
+  library(): { names: string[]; ids: string[]; total: number; more: boolean; status: string; query: string; done: string; conflict: string };
+  imports(): { file: string; status: string; again: boolean; settings: unknown; report: unknown; problems: unknown }[];
+  /** Heights as drawn in the import's preview, m. */
+  import_view(): { figure: number; reference: number; time: number; pictures: number } | null;
   /** The newest values of an output of the level that is shown. */
   pin_value(node: string, pin: string): number[] | null;
   /** Index of a link by name or label, or -1. */
@@ -70,6 +78,22 @@ export function expose_hook(): void {
       const f = session.frames.latest;
       return f && { time: f.time, number: f.number, playing: f.playing, simulate: f.simulate, grabbing: f.grabbing, contacts: f.contact_count };
     },
+    nearest: () => {
+      const f = session.frames.latest;
+      const { characters } = session.state;
+      return (parts.viewport?.nearest_pairs ?? []).map((p) => ({ a: characters[p.a]?.id ?? '', b: characters[p.b]?.id ?? '', distance: p.distance, simulate: f?.simulate ?? false }));
+    },
+    normals: () => {
+      const f = session.frames.latest;
+      if (!f || f.normals < 0) return [];
+      return Array.from({ length: f.contact_count }, (_, i): [number, number, number] => [f.floats[f.normals + 3 * i]!, f.floats[f.normals + 3 * i + 1]!, f.floats[f.normals + 3 * i + 2]!]);
+    },
+    library: () => {
+      const { entries, total, more, status, query, done, conflict } = library.state;
+      return structuredClone({ names: entries.map((e) => e.name), ids: entries.map((e) => e.entry ?? e.id), total, more, status, query, done: done?.label ?? '', conflict: conflict?.theirs.name ?? '' });
+    },
+    imports: () => structuredClone(imports.state.items.map((i) => ({ file: i.file, status: i.status, again: i.again, settings: i.staged?.settings ?? null, report: i.staged?.report ?? null, problems: i.problems }))),
+    import_view: () => (parts.import_view ? { ...parts.import_view.heights, time: parts.import_view.time, pictures: parts.import_view.pictures } : null),
     circuit: () => {
       const { view, edited, path, nodes, problems } = circuit.state;
       const shown = view?.level.circuit;

@@ -2,6 +2,8 @@
 import * as THREE from 'three';
 import { Line2 } from 'three/examples/jsm/lines/Line2.js';
 import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
+import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
 const up = new THREE.Vector3(0, 1, 0);
@@ -83,6 +85,50 @@ export class Polyline {
 
   hide(): void {
     this.line.visible = false;
+  }
+}
+
+/** Many short fat lines with a bead at both ends, drawn over the bodies. */
+export class Segments {
+  readonly lines = new THREE.Group();
+  private readonly segments: LineSegments2;
+  private readonly beads: THREE.InstancedMesh;
+  private positions: number[] = [];
+  private readonly matrix = new THREE.Matrix4();
+
+  constructor(color: number, width: number, private readonly bead = 0.009, most = 128) {
+    const material = new LineMaterial({ color, linewidth: width, transparent: true, opacity: 0.95, depthTest: false });
+    this.segments = new LineSegments2(new LineSegmentsGeometry(), material);
+    this.segments.frustumCulled = false;
+    this.segments.renderOrder = 55;
+    this.beads = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 10, 8), new THREE.MeshBasicMaterial({ color, depthTest: false, transparent: true }), most);
+    this.beads.frustumCulled = false;
+    this.beads.renderOrder = 56;
+    this.lines.add(this.segments, this.beads);
+    this.lines.visible = false;
+  }
+
+  begin(): void {
+    this.positions = [];
+  }
+
+  add(from: THREE.Vector3, to: THREE.Vector3): void {
+    this.positions.push(from.x, from.y, from.z, to.x, to.y, to.z);
+  }
+
+  end(): void {
+    const count = this.positions.length / 6;
+    this.lines.visible = count > 0;
+    this.beads.count = 0;
+    if (count === 0) return;
+    // a line's buffers cannot grow in place
+    this.segments.geometry.dispose();
+    this.segments.geometry = new LineSegmentsGeometry().setPositions(this.positions);
+    for (let i = 0; i < this.positions.length && this.beads.count < this.beads.instanceMatrix.count; i += 3) {
+      this.matrix.makeScale(this.bead, this.bead, this.bead).setPosition(this.positions[i]!, this.positions[i + 1]!, this.positions[i + 2]!);
+      this.beads.setMatrixAt(this.beads.count++, this.matrix);
+    }
+    this.beads.instanceMatrix.needsUpdate = true;
   }
 }
 

@@ -11,7 +11,7 @@ import type { Session } from '../core/session';
 import { selected_character, shown_document, type StudioState } from '../core/state';
 import { CameraRig } from './camera';
 import { Figure, Ghost, mechanism_geometries, type LinkTag } from './figure';
-import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Spring } from './overlays';
+import { Arrow, assist_color, ContactDiscs, make_ring, Polyline, Segments, Spring } from './overlays';
 import { Stage } from './stage';
 
 const ghost_offsets = [-0.8, -0.4, 0.4, 0.8]; // s
@@ -41,6 +41,10 @@ export class Viewport {
   private readonly geometries = new Map<string, (THREE.BufferGeometry | null)[]>();
   private readonly contact_arrows: Arrow[] = [];
   private readonly contact_discs = new ContactDiscs(max_contact_arrows);
+  private readonly normals = new Segments(0x9adcf7, 1.6);
+  private readonly nearest = new Segments(0x7dd3fc, 1.6);
+  /** Pairs of nearest points as drawn now, the nearest first. */
+  nearest_pairs: { distance: number; middle: THREE.Vector3; a: number; b: number }[] = [];
   private readonly spring = new Spring();
   private readonly ring = make_ring();
   private readonly raycaster = new THREE.Raycaster();
@@ -69,7 +73,7 @@ export class Viewport {
       this.contact_arrows.push(arrow);
       this.stage.scene.add(arrow.group);
     }
-    this.stage.scene.add(this.spring.group, this.ring, this.contact_discs.mesh);
+    this.stage.scene.add(this.spring.group, this.ring, this.contact_discs.mesh, this.normals.lines, this.nearest.lines);
     this.undo_subscriptions.push(
       session.store.subscribe((state, before) => this.state_changed(state, before)),
       session.frames.on_frame(() => this.invalidate()),
@@ -394,6 +398,7 @@ export class Viewport {
       }
     });
     this.contact_discs.begin();
+    this.normals.begin();
     if (view.contacts && frame) {
       const longest = Math.max(1, ...frame.figures.map((f) => body_weight(frame, f)));
       for (let i = 0; i < frame.contact_count && arrows < max_contact_arrows; i++) {
@@ -402,12 +407,32 @@ export class Viewport {
         const force = new THREE.Vector3(f[at + 3], f[at + 4], f[at + 5]).multiplyScalar(0.9 / longest).clampLength(0, 1.6);
         if (force.lengthSq() < 1e-6) continue;
         const point = new THREE.Vector3(f[at], f[at + 1], f[at + 2]);
-        this.contact_discs.add(point, force, 0.012 + 0.006 * Math.min(1, force.length()));
+        const k = frame.normals + 3 * i;
+        const normal = frame.normals < 0 ? force : new THREE.Vector3(f[k], f[k + 1], f[k + 2]);
+        this.contact_discs.add(point, normal, 0.012 + 0.006 * Math.min(1, force.length()));
+        if (frame.normals >= 0) this.normals.add(point, point.clone().addScaledVector(normal, 0.14));
         this.contact_arrows[arrows++]!.show(point, force);
       }
     }
     for (; arrows < max_contact_arrows; arrows++) this.contact_arrows[arrows]!.hide();
+    this.normals.end();
+    this.draw_nearest(view.nearest ? frame : null);
     this.draw_pull();
+  }
+
+  private draw_nearest(frame: Frame | null): void {
+    this.nearest.begin();
+    this.nearest_pairs = [];
+    for (let i = 0; frame && i < frame.nearest_count; i++) {
+      const at = frame.nearest + 8 * i;
+      const f = frame.floats;
+      const a = new THREE.Vector3(f[at], f[at + 1], f[at + 2]);
+      const b = new THREE.Vector3(f[at + 3], f[at + 4], f[at + 5]);
+      const who = frame.words[at + 7]!;
+      this.nearest.add(a, b);
+      this.nearest_pairs.push({ distance: f[at + 6]!, middle: a.clone().add(b).multiplyScalar(0.5), a: who >>> 16, b: who & 0xffff });
+    }
+    this.nearest.end();
   }
 
   private draw_pull(): void {

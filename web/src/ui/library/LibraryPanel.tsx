@@ -8,7 +8,7 @@ import { Card, entry_actions, use_entry } from './cards';
 import { files_of } from './files';
 
 const kinds: [KindFilter, string][] = [['all', 'All'], ['mechanism', 'Mechanisms'], ['motion', 'Motions']];
-const orders: [LibraryOrder, string][] = [['name', 'Name'], ['newest', 'Newest'], ['oldest', 'Oldest'], ['longest', 'Longest'], ['shortest', 'Shortest']];
+const orders: [LibraryOrder, string][] = [['newest', 'Newest'], ['oldest', 'Oldest'], ['longest', 'Longest'], ['shortest', 'Shortest']];
 export const importable = '.bvh,.asf,.amc,.c3d,.trc,.csv,.glb,.gltf,.fbx,.dae,.json,.urdf,.sdf,.xml,.stl,.obj,.bin';
 const look_key = 'ugoki.library.look';
 
@@ -23,7 +23,6 @@ function stored_look(): 'list' | 'grid' {
 export function LibraryPanel(): ReactElement {
   const query = useLibrary((s) => s.query);
   const kind = useLibrary((s) => s.kind);
-  const order = useLibrary((s) => s.order);
   const trash = useLibrary((s) => s.trash);
   const [file_over, set_file_over] = useState(false);
   const [look, set_look] = useState(stored_look);
@@ -113,18 +112,7 @@ export function LibraryPanel(): ReactElement {
             </button>
           ))}
         </div>
-        <select
-          aria-label="Order"
-          title="Order"
-          value={order ?? ''}
-          onChange={(e) => library.filter({ order: (e.target.value || null) as LibraryOrder | null })}
-        >
-          <option value="">{query.trim() ? 'Best match' : 'By name'}</option>
-          {orders.map(([value, name]) => (
-            <option key={value} value={value}>{name}</option>
-          ))}
-        </select>
-        <button type="button" className="tool small" aria-label={look === 'list' ? 'Show as tiles' : 'Show as a list'} title={look === 'list' ? 'Tiles' : 'List'} onClick={change_look}>
+        <button type="button" className="tool small look" aria-label={look === 'list' ? 'Show as tiles' : 'Show as a list'} title={look === 'list' ? 'Tiles' : 'List'} onClick={change_look}>
           <Icon name={look === 'list' ? 'tiles' : 'rows'} />
         </button>
       </div>
@@ -399,6 +387,8 @@ function Foot(): ReactElement {
   const status = useLibrary((s) => s.status);
   const done = useLibrary((s) => s.done);
   const trash = useLibrary((s) => s.trash);
+  const order = useLibrary((s) => s.order);
+  const query = useLibrary((s) => s.query);
   if (done) {
     return (
       <div className="library-foot done" role="status">
@@ -416,6 +406,12 @@ function Foot(): ReactElement {
         {status === 'ready' && (count === 1 ? '1 entry' : `${count.toLocaleString('en-US')}${exact ? '' : '+'} entries`)}
         {trash && ' in the trash'}
       </span>
+      <select aria-label="Order" title="Order" value={order ?? ''} onChange={(e) => library.filter({ order: (e.target.value || null) as LibraryOrder | null })}>
+        <option value="">{query.trim() ? 'Best match' : 'By name'}</option>
+        {orders.map(([value, name]) => (
+          <option key={value} value={value}>{name}</option>
+        ))}
+      </select>
       <button type="button" className="quiet" aria-pressed={trash} onClick={() => library.filter({ trash: !trash })}>
         {trash ? 'Back' : 'Trash'}
       </button>
