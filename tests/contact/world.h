@@ -48,9 +48,12 @@ struct World {
     for (auto& p : poses) spans.emplace_back(p);
     for (State& s : states) systems.push_back({s.q, s.v, s.tau, s.external, {}, {}});
   }
-  StepReport step(double dt) {
+  void find() {
     for (std::size_t i = 0; i < states.size(); ++i) calc_poses(stepper.mechanism(static_cast<int>(i)), states[i].q, poses[i]);
     collision::find_contacts(scene, spans, 0.02, workspace, contacts);
+  }
+  StepReport step(double dt) {
+    find();
     return stepper.step(systems, contacts, dt);
   }
   double lowest() {

@@ -37,7 +37,10 @@ struct Search {
   double margin;
   Workspace& work;
   std::vector<ContactPoint>& out;
+  std::span<const char> moved;
   Manifold manifold;
+
+  [[nodiscard]] bool is_still(int system) const { return !moved.empty() && moved[static_cast<std::size_t>(system)] == 0; }
 
   [[nodiscard]] const Pose& link_pose(const SceneShape& s) const {
     return X_WB[static_cast<std::size_t>(s.system)][static_cast<std::size_t>(s.link)];
@@ -70,7 +73,7 @@ struct Search {
       const Pose& X = link_pose(s);
       const Vec3 up = heights(X.R);
       const double origin = dot(up, s.shape.X_BS.p) + X.p.z;
-      if (!(origin - s.reach < limit) || !s.movable) continue;
+      if (!(origin - s.reach < limit) || !s.movable || is_still(s.system)) continue;
       if (!(lowest_height(s, origin, up) < limit)) continue;
       find_ground_manifold(s, X * s.shape.X_BS, height, margin, work.lowest[i], work.manifold, manifold);
       add(s, i, nullptr, ground_index, s.ground_friction, s.ground_restitution);
@@ -153,7 +156,7 @@ struct Search {
 }  // namespace
 
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& work,
-                   std::vector<ContactPoint>& out) {
+                   std::vector<ContactPoint>& out, std::span<const char> moved) {
   UGOKI_CHECK(X_WB.size() == scene.systems().size());
   if (work.balls.size() < scene.shapes().size()) {
     work.balls.resize(scene.shapes().size());
@@ -169,7 +172,7 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
   // Every corner on the ground, and four points between shapes for each shape.
   if (out.capacity() < 12 * scene.shapes().size()) out.reserve(12 * scene.shapes().size());
 
-  Search search{scene, X_WB, margin, work, out, {}};
+  Search search{scene, X_WB, margin, work, out, moved, {}};
   if (scene.options().with_ground) search.ground();
   const int systems = static_cast<int>(X_WB.size());
   const bool between = scene.options().between_systems && systems > 1;
@@ -178,10 +181,11 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
   if (!between && !self) return;
   search.bounds();
   for (int s = 0; s < systems; ++s)
-    if (scene.self_collision(s)) search.within(s);
+    if (scene.self_collision(s) && !search.is_still(s)) search.within(s);
   if (!between) return;
   for (int a = 0; a < systems; ++a)
-    for (int b = a + 1; b < systems; ++b) search.between(a, b);
+    for (int b = a + 1; b < systems; ++b)
+      if (!search.is_still(a) || !search.is_still(b)) search.between(a, b);
 }
 
 }  // namespace ugoki::collision

@@ -99,10 +99,11 @@ struct Workspace {
 /// Shapes at poses that are not finite have no contacts.
 /// @param X_WB [systems][links] m, world
 /// @param margin m, may be negative
+/// @param moved [systems] only pairs of which one system has moved (not 0), with each other and with the ground; empty: all
 /// @param out cleared and filled; keeps its memory
 /// No allocation after the first calls with the same workspace and out, unless pairs come near that were not, or contacts grow in
 /// number.
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& workspace,
-                   std::vector<ContactPoint>& out);
+                   std::vector<ContactPoint>& out, std::span<const char> moved = {});
 
 }  // namespace ugoki::collision

@@ -9,7 +9,7 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr double coarse_distance = 2e-5;  // m that a body of a large heap may be wrong by after a step
+constexpr double coarse_distance = 1e-4;  // m that a body of a large heap may be wrong by after a step
 
 /// Radius of a body that rolls: its one shape is round. 0: it does not
 double rolling_radius(const Link& link) {
@@ -166,7 +166,7 @@ void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collis
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
 }
 
-StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t certain) {
   UGOKI_CHECK(systems.size() == mechanisms_.size() && dt > 0);
   StepReport report;
   solver_.clear();
@@ -180,13 +180,14 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   for (std::size_t s = 0; s < systems.size() && report.status == StepStatus::ok; ++s) prepare(s, systems[s], dt, report);
   if (report.status != StepStatus::ok) return report;
 
-  for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt);
+  for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= certain);
   for (const RowBlock& b : solver_.blocks()) report.contacts += b.kind == RowKind::contact ? 1 : 0;
   const std::size_t before = solver_.blocks().size();
   for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
   report.limits = static_cast<int>(solver_.blocks().size() - before);
   if (!solver_.blocks().empty()) {
-    const SolverReport solved = solver_.solve({options_.iterations, options_.tolerance, coarse_distance / dt, options_.softness});
+    const double coarse = (certain < contacts.size() ? 0.1 : 1.0) * coarse_distance / dt;
+    const SolverReport solved = solver_.solve({options_.iterations, options_.tolerance, coarse, options_.softness});
     report.sweeps = solved.sweeps;
     report.newton_steps = solved.newton_steps;
     report.islands = solved.islands;
@@ -224,6 +225,14 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
     if (scratch_[s].loops) close_loops(s, systems[s], report);
   }
   return report;
+}
+
+Vec3 Stepper::velocity_after(int system, int link, const Vec3& p) const {
+  const dynamics::Workspace& ws = workspaces_[static_cast<std::size_t>(system)];
+  const std::vector<double>& v = scratch_[static_cast<std::size_t>(system)].free_v;
+  Vec6 V;
+  for (const int k : dynamics::chain_of_link(ws, link)) V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
+  return V.v + cross(V.w, p - ws.p0);
 }
 
 }  // namespace ugoki::contact

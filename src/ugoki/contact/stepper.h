@@ -15,6 +15,8 @@
 // out), and positions are closed to rounding after the step.
 // Sources: Nagashima (1999) section 6.3; Hwangbo, Lee, Hutter (2018), Per-contact iteration; Featherstone (2008) ch. 8, 11.
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -74,12 +76,16 @@ class Stepper {
 
   /// Advances all systems by dt. On failure every q and v is left as it was: the last good state.
   /// @param contacts from collision analysis at the present positions; systems and links as given to the constructor
+  /// @param certain contacts from this index on take part however far apart they are; of the others, those that can be reached
   /// No allocation after warm-up, unless the number of contacts grows.
-  StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
+  StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
+                  std::size_t certain = SIZE_MAX);
 
   /// Force [N] on body a of each contact of the last step, world axes, in the order of its contacts. An impact's impulse
   /// counts as a force that is constant over the step, eq. (17).
   [[nodiscard]] std::span<const Vec3> contact_forces() const { return forces_; }
+  /// Velocity [m/s, world] of a link's point at p [m, world], with the positions before and the velocities after the last step.
+  [[nodiscard]] Vec3 velocity_after(int system, int link, const Vec3& p) const;
   /// Kinematics at the beginning of the last step.
   [[nodiscard]] const dynamics::Workspace& workspace(int system) const { return workspaces_[static_cast<std::size_t>(system)]; }
   [[nodiscard]] const Mechanism& mechanism(int system) const { return *mechanisms_[static_cast<std::size_t>(system)]; }
@@ -94,7 +100,7 @@ class Stepper {
  private:
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
-  void add_contact(int index, const collision::ContactPoint& c, double dt);
+  void add_contact(int index, const collision::ContactPoint& c, double dt, bool certain);
   void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
   void spread_over_loops(std::size_t s, int last, int rows, const double* row);

@@ -45,10 +45,10 @@ void Stepper::finish_side(std::size_t s, int last, int rows, double* row) {
   if (scratch_[s].loops) spread_over_loops(s, last, rows, row);
 }
 
-void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt) {
+void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt, bool certain) {
   const double gap = c.distance, struck = struck_[static_cast<std::size_t>(index)];
   const Vec3 n = c.n;
-  double before = 0;
+  double before = 0, whip = 0;
   Vec3 free;
   struct Side {
     std::size_t s;
@@ -70,10 +70,13 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
     Vec6 V;
     for (const int k : chain) V += ws.S[static_cast<std::size_t>(k)] * free_v[static_cast<std::size_t>(k)];
     free += (V.v + cross(V.w, r)) * sign;
-    before += sign * dot(n, dynamics::point_velocity(ws, link, c.p));
+    const Vec3 now = dynamics::point_velocity(ws, link, c.p);
+    before += sign * dot(n, now);
+    if (scratch_[static_cast<std::size_t>(s)].free_body) whip += 1.5 * (norm(now) + norm(V.w) * norm(r));
   }
   const double free_n = dot(n, free);
-  const bool out_of_reach = gap > 1e-3 && gap + dt * std::min(free_n, before) > 1e-3 && struck == 0;
+  // A free body that is hit elsewhere may turn this point down faster than it moves.
+  const bool out_of_reach = !certain && gap > 1e-3 && gap + dt * std::min({free_n, before, -whip}) > 1e-3 && struck == 0;
   if (count == 0 || out_of_reach) return;
 
   const Vec3 t1 = any_perpendicular(n), t2 = cross(n, t1);
@@ -100,7 +103,8 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
     }
     finish_side(s, last, 3, row);
   }
-  const double wanted = gap > 0 ? -gap / dt : std::min(-gap / options_.recovery_time, options_.recovery_speed);
+  const double push = certain ? -gap / dt : -gap / options_.recovery_time;
+  const double wanted = gap > 0 ? -gap / dt : std::min(push, options_.recovery_speed);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
   const Warm* warm = warm_.find(c.key);
   solver_.end_block(target, warm ? std::span<const double>(warm->p) : std::span<const double>());

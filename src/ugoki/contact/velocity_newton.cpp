@@ -22,8 +22,8 @@ int VelocitySolver::place(const RowSegment& x, int e) const {
 }
 
 /// Breadth-first order of the island's systems from the one that a first search reached last (Cuthill-McKee), and the envelope.
-/// @return false if a step would cost more than is left of the budget
-bool VelocitySolver::order_systems(const Island& island) {
+/// @return false if so many of Newton's steps would cost more than is left of the budget
+bool VelocitySolver::order_systems(const Island& island, int steps) {
   const auto segment = [&](const RowBlock& b, int k) -> const RowSegment& {
     return segments_[static_cast<std::size_t>(b.first_segment + k)];
   };
@@ -99,16 +99,17 @@ bool VelocitySolver::order_systems(const Island& island) {
     operations += static_cast<double>(width) * static_cast<double>(width);
   }
   cost_ = operations + 300.0 * island.blocks;
-  if (cost_ > budget_) return false;
+  if (steps * cost_ > budget_) return false;
   H_.resize(size);
   F_.resize(static_cast<std::size_t>(n));
   step_.resize(F_.size());
+  G_.resize(9 * static_cast<std::size_t>(island.blocks));
   old_w_.resize(F_.size());
   return true;
 }
 
 /// The impulse that the law gives at velocity u, and G. @return what the block adds to the merit
-double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p, double (*G)[3]) const {
+double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p, double* G) const {
   const double* hat = hat_.data() + b.row;
   // |p| <= radius, all directions alike
   const auto ball = [&](int first, int count, double R, double radius) {
@@ -122,8 +123,8 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
     const double scale = slides ? radius / size : 1;
     for (int r = 0; r < count; ++r) {
       p[first + r] = x[r] * scale;
-      for (int c = 0; G && c < count; ++c)  // a sliding block does not resist along its slip
-        G[first + r][first + c] = scale / R * ((r == c ? 1.0 : 0.0) - (slides ? x[r] * x[c] / square : 0));
+      for (int c = 0; c < count; ++c)  // a sliding block does not resist along its slip
+        G[3 * (first + r) + first + c] = scale / R * ((r == c ? 1.0 : 0.0) - (slides ? x[r] * x[c] / square : 0));
     }
     return R * (slides ? radius * (size - 0.5 * radius) : 0.5 * square);
   };
@@ -131,11 +132,10 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
     case RowKind::contact: {
       const double soft = softness_ * b.B[0], R = part_ * b.B[0], Rn = R + soft, Rt = part_ * std::max(b.B[1], b.B[2]);
       const double xn = R * hat[0] - u[0] - lag_[static_cast<std::size_t>(b.row)];
-      if (G)
-        for (int r = 0; r < 3; ++r) G[r][0] = G[r][1] = G[r][2] = 0;
+      std::fill_n(G, 9, 0.0);
       if (b.struck > 0) {  // the cone's tip lies elsewhere: radius of the last impulses
         p[0] = std::max(0.0, xn / Rn);
-        if (G) G[0][0] = p[0] > 0 ? 1 / Rn : 0;
+        G[0] = p[0] > 0 ? 1 / Rn : 0;
         return 0.5 * Rn * p[0] * p[0] + ball(1, 2, Rt, b.mu * (hat[0] + b.struck));
       }
       // In the metric of R: projection onto the cone |y_t| <= m y_n
@@ -146,10 +146,8 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
         p[0] = yn / root_n;
         p[1] = y1 / root_t;
         p[2] = y2 / root_t;
-        if (G) {
-          G[0][0] = 1 / Rn;
-          G[1][1] = G[2][2] = 1 / Rt;
-        }
+        G[0] = 1 / Rn;
+        G[4] = G[8] = 1 / Rt;
         return 0.5 * (yn * yn + yt * yt);
       }
       if (m * yt <= -yn) {
@@ -160,22 +158,19 @@ double VelocitySolver::impulse_of(const RowBlock& b, const double* u, double* p,
       p[0] = qn / root_n;
       p[1] = m * qn * d1 / root_t;
       p[2] = m * qn * d2 / root_t;
-      if (G) {
-        const double across = m * qn / yt, nt = share * m / (root_n * root_t);
-        G[0][0] = share / Rn;
-        G[0][1] = G[1][0] = nt * d1;
-        G[0][2] = G[2][0] = nt * d2;
-        const double along = share * m * m;
-        G[1][1] = (along * d1 * d1 + across * d2 * d2) / Rt;
-        G[2][2] = (along * d2 * d2 + across * d1 * d1) / Rt;
-        G[1][2] = G[2][1] = (along - across) * d1 * d2 / Rt;
-      }
+      const double across = m * qn / yt, along = share * m * m, nt = share * m / (root_n * root_t);
+      G[0] = share / Rn;
+      G[1] = G[3] = nt * d1;
+      G[2] = G[6] = nt * d2;
+      G[4] = (along * d1 * d1 + across * d2 * d2) / Rt;
+      G[8] = (along * d2 * d2 + across * d1 * d1) / Rt;
+      G[5] = G[7] = (along - across) * d1 * d2 / Rt;
       return 0.5 * (1 + m * m) * qn * qn;
     }
     case RowKind::limit: {
       const double R = part_ * b.B[0];
       p[0] = std::max(0.0, hat[0] - u[0] / R);
-      if (G) G[0][0] = p[0] > 0 ? 1 / R : 0;
+      G[0] = p[0] > 0 ? 1 / R : 0;
       return 0.5 * R * p[0] * p[0];
     }
     case RowKind::friction: return ball(0, 1, part_ * b.B[0], b.bound);
@@ -208,7 +203,7 @@ void VelocitySolver::fix_law(const Island& island) {
 }
 
 /// H += Y^T G Y of one block, lower triangle.
-void VelocitySolver::add_to_matrix(const RowBlock& b, const double (&G)[3][3]) {
+void VelocitySolver::add_to_matrix(const RowBlock& b, const double* G) {
   const int n = b.rows;
   for (int sa = 0; sa < b.segments; ++sa) {
     const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + sa)];
@@ -218,17 +213,21 @@ void VelocitySolver::add_to_matrix(const RowBlock& b, const double (&G)[3][3]) {
       const double* const X = rows_.data() + x.offset;
       const double* const Y = rows_.data() + y.offset;
       for (int e = 0; e < x.length; ++e) {
-        double g[3] = {0, 0, 0};
-        for (int c = 0; c < n; ++c)
-          for (int r = 0; r < n; ++r) g[c] += X[r * x.length + e] * G[r][c];
         const int row = place(x, e);
         double* const H = H_.data() + start_[static_cast<std::size_t>(row)] - lowest_[static_cast<std::size_t>(row)];
         if (!y.index && n == 3) {
+          const double x0 = X[e], x1 = X[x.length + e], x2 = X[2 * x.length + e];
+          const double g0 = x0 * G[0] + x1 * G[3] + x2 * G[6], g1 = x0 * G[1] + x1 * G[4] + x2 * G[7],
+                       g2 = x0 * G[2] + x1 * G[5] + x2 * G[8];
           double* const last = H + place(y, 0);  // freedom f stands f places before
-          for (int f = sa == sb ? e : 0; f < y.length; ++f)
-            if (last - f <= H + row) last[-f] += g[0] * Y[f] + g[1] * Y[y.length + f] + g[2] * Y[2 * y.length + f];
+          const double* const Y1 = Y + y.length;
+          const double* const Y2 = Y1 + y.length;
+          for (int f = std::max(place(y, 0) - row, 0); f < y.length; ++f) last[-f] += g0 * Y[f] + g1 * Y1[f] + g2 * Y2[f];
           continue;
         }
+        double g[3] = {0, 0, 0};
+        for (int c = 0; c < n; ++c)
+          for (int r = 0; r < n; ++r) g[c] += X[r * x.length + e] * G[3 * r + c];
         for (int f = 0; f < y.length; ++f) {
           const int column = place(y, f);
           if (column > row) continue;
@@ -239,8 +238,8 @@ void VelocitySolver::add_to_matrix(const RowBlock& b, const double (&G)[3][3]) {
   }
 }
 
-/// F, and with it H. @return the merit, whose gradient is F: |w|^2 / 2 + what the blocks add
-double VelocitySolver::assemble(const Island& island, bool with_matrix) {
+/// F, and G of each block. @return the merit, whose gradient is F: |w|^2 / 2 + what the blocks add
+double VelocitySolver::assemble(const Island& island) {
   for (int k = 0; k < island.systems; ++k) {
     const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
     for (int e = first_[s]; e < first_[s + 1]; ++e)
@@ -248,17 +247,13 @@ double VelocitySolver::assemble(const Island& island, bool with_matrix) {
   }
   double merit = 0;
   for (const double w : F_) merit += 0.5 * w * w;
-  if (with_matrix) {
-    std::ranges::fill(H_, 0.0);
-    for (std::size_t i = 0; i < F_.size(); ++i) H_[start_[i] + i - static_cast<std::size_t>(lowest_[i])] = 1;
-  }
-  for (int i = 0; i < island.blocks; ++i) {
+  double* G = G_.data();
+  for (int i = 0; i < island.blocks; ++i, G += 9) {
     const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
-    double u[3], G[3][3];
+    double u[3];
     velocities(b, u);
     double* p = p_.data() + b.row;
-    merit += impulse_of(b, u, p, with_matrix ? G : nullptr);
-    if (with_matrix && G[0][0] + (b.rows == 3 ? G[1][1] + G[2][2] : 0) > 0) add_to_matrix(b, G);
+    merit += impulse_of(b, u, p, G);
     for (int s = 0; s < b.segments; ++s) {
       const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + s)];
       for (int r = 0; r < b.rows; ++r)
@@ -267,6 +262,17 @@ double VelocitySolver::assemble(const Island& island, bool with_matrix) {
     }
   }
   return merit;
+}
+
+/// H from what assemble() found.
+void VelocitySolver::assemble_matrix(const Island& island) {
+  std::ranges::fill(H_, 0.0);
+  for (std::size_t i = 0; i < F_.size(); ++i) H_[start_[i] + i - static_cast<std::size_t>(lowest_[i])] = 1;
+  const double* G = G_.data();
+  for (int i = 0; i < island.blocks; ++i, G += 9) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    if (G[0] + (b.rows == 3 ? G[4] + G[8] : 0) > 0) add_to_matrix(b, G);
+  }
 }
 
 /// w from the impulses.
@@ -321,9 +327,10 @@ int VelocitySolver::minimise(const Island& island) {
         visit(w_[static_cast<std::size_t>(e)], static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e));
     }
   };
-  double merit = assemble(island, true);
+  double merit = assemble(island);
   for (int steps = 1; steps <= limit; ++steps) {
     budget_ -= cost_;
+    assemble_matrix(island);
     solve_newton();
     double slope = 0;  // of the merit along the step, negated
     for (std::size_t i = 0; i < F_.size(); ++i) slope += F_[i] * step_[i];
@@ -332,7 +339,7 @@ int VelocitySolver::minimise(const Island& island) {
     double length = 1, next = 0;
     for (int half = 0; half < 8; ++half, length *= 0.5) {
       each_w([&](double& w, std::size_t at) { w = old_w_[at] - length * step_[at]; });
-      next = assemble(island, true);
+      next = assemble(island);
       if (next <= merit - 1e-4 * length * slope + 1e-14 * merit) break;
     }
     merit = next;

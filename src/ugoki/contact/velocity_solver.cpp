@@ -312,22 +312,28 @@ void VelocitySolver::find_islands() {
 
 void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
   constexpr int round = 12, most_rounds = 6;  // sweeps before it is asked whether to go on; rounds for which sweeping is the cheaper way
-  double change = 0, tolerance = options.tolerance, before = HUGE_VAL;
+  constexpr int crowd = 256, coarse_iterations = 96;  // blocks in a step from which on the coarse tolerance will do; sweeps for it
+  const bool crowded = static_cast<int>(blocks_.size()) > crowd;
+  const int most = crowded ? std::min(coarse_iterations, options.iterations) : options.iterations;
+  double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
+  bool newton_helps = true;
+  double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
     change = sweep(island, (sweeps & 1) != 0);
     report.sweeps = std::max(report.sweeps, sweeps);
-    if (change < tolerance || sweeps >= options.iterations) break;
-    if (sweeps % round != 0 || tolerance == options.coarse) continue;
+    if (change < tolerance || sweeps >= most) break;
+    if (sweeps % round != 0 || !newton_helps) continue;
     // At the present rate, is it done in a few more rounds?
     const double rate = change / before;
     double then = change;
     before = change;
     for (int k = 0; k < most_rounds && then >= tolerance; ++k) then *= rate;
     if (sweeps == round || then < tolerance) continue;
-    if (order_systems(island)) {
+    newton_helps = order_systems(island, crowded ? 16 : 1);
+    if (newton_helps) {
       report.newton_steps += newton(island, change, tolerance);
     } else {
-      tolerance = options.coarse;
+      tolerance = std::max(tolerance, 0.2 * options.coarse);
     }
   }
   report.residual = std::max(report.residual, change);

@@ -52,7 +52,7 @@ struct RowBlock {
 struct SolverOptions {
   int iterations = 60;      ///< greatest number of sweeps over an island
   double tolerance = 1e-7;  ///< m/s: an island is done when a sweep changes no velocity more
-  double coarse = 0.01;     ///< m/s: the same after some sweeps, where Newton's method would cost too much
+  double coarse = 0.05;     ///< m/s: the same in a crowd; a fifth of it where Newton's method would cost too much
   double softness = 1e-4;   ///< s as part of a contact's own inverse inertia: redundant contacts share their load
 };
 
@@ -108,15 +108,16 @@ class VelocitySolver {
   void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
 
   // Newton's method, in velocity_newton.cpp
-  bool order_systems(const Island& island);
+  bool order_systems(const Island& island, int steps);
   [[nodiscard]] int place(const RowSegment& x, int e) const;
   int newton(const Island& island, double change, double tolerance);
   void fix_law(const Island& island);
   int minimise(const Island& island);
   void solve_newton();
-  double assemble(const Island& island, bool with_matrix);
-  void add_to_matrix(const RowBlock& b, const double (&G)[3][3]);
-  double impulse_of(const RowBlock& b, const double* u, double* p, double (*G)[3]) const;
+  double assemble(const Island& island);
+  void assemble_matrix(const Island& island);
+  void add_to_matrix(const RowBlock& b, const double* G);
+  double impulse_of(const RowBlock& b, const double* u, double* p, double* G) const;
   void recompute_w(const Island& island);
 
   std::vector<int> first_;  // [systems + 1]
@@ -142,6 +143,7 @@ class VelocitySolver {
   std::vector<int> lowest_;         // [n] first column of a row in the envelope
   std::vector<std::size_t> start_;  // [n] where column 0 of the row would be in H_ (shifted by lowest_)
   std::vector<double> H_;           // envelope, row by row
+  std::vector<double> G_;           // [blocks of the island * 9] -dp/du, row by row
   std::vector<double> F_, step_, old_w_, old_p_, hat_, lag_;
   std::vector<int> neighbour_first_, neighbours_, queue_;
 };

@@ -1,0 +1,58 @@
+#pragma once
+// A step whose end is looked at: what would overlap there by more than a little is made a contact, and the step is taken again.
+//
+// The stepper keeps every contact that it is given apart, to first order: by its normal and place at the beginning. A body that lands
+// on another feature than the nearest, or that turns or slides a good part of its size within the step, can still end inside
+// another. Collision analysis of the end finds that, with the gap g < 0 and the normal n of the end. With v the velocities of this pass
+// and g0 <= 0 the pair's gap at the beginning, the next pass asks of the same two points, at their places at the beginning,
+//   u(v') >= u(v) - (g - g0) / dt,   u = n . (velocity of a - velocity of b)
+// which is Newton's method on the gap at the end. Nothing is moved afterwards: velocities stay those that positions follow.
+// Source: Anitescu, Potra (1997) for steps with linearised gaps; Stewart (1998) for what their linearisation leaves.
+
+#include <span>
+#include <vector>
+
+#include "ugoki/collision/scene.h"
+#include "ugoki/contact/stepper.h"
+
+namespace ugoki::contact {
+
+struct GuardOptions {
+  double depth = 4e-4;  ///< m: less at the end of a step is left alone
+  int passes = 6;       ///< greatest number of times that a step is taken
+};
+
+class GuardedStep {
+ public:
+  /// Scene and stepper have the same systems, and must outlive it.
+  GuardedStep(const collision::Scene& scene, Stepper& stepper, const GuardOptions& options = {});
+
+  /// As Stepper::step(); q and v are left as they were where it fails.
+  /// No allocation after warm-up, unless the number of contacts grows.
+  StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
+
+  /// The contacts of the last step: those given to it, then those found at its end. The stepper's forces are theirs.
+  [[nodiscard]] std::span<const collision::ContactPoint> contacts() const { return contacts_; }
+  [[nodiscard]] int passes() const { return passes_; }  ///< times that the last step was taken
+  /// m: what was left at the end of the last step of overlaps that it should have prevented, as far as was looked
+  [[nodiscard]] double depth() const { return depth_; }
+
+ private:
+  void move(std::span<const StepSystem> systems);
+  bool add_overlaps(std::span<const collision::ContactPoint> given, double dt);
+
+  const collision::Scene* scene_;
+  Stepper* stepper_;
+  GuardOptions options_;
+  collision::Workspace workspace_;
+  std::vector<std::vector<double>> q_, v_;      // [systems] at the beginning
+  std::vector<std::vector<Pose>> begin_, end_;  // [systems][links]
+  std::vector<std::span<const Pose>> views_;    // of end_
+  std::vector<double> size_;                    // m [links of all systems] how far a link's shapes reach from its origin
+  std::vector<char> moved_;                     // [systems] by more than the depth
+  std::vector<collision::ContactPoint> found_, contacts_;
+  int passes_ = 0;
+  double depth_ = 0;
+};
+
+}  // namespace ugoki::contact
