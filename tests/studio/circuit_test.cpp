@@ -143,6 +143,22 @@ TEST_F(CircuitStudioTest, EditsAreStoredAndUndoneAndTheirValuesAreSeenWhileItPla
   EXPECT_TRUE(document["document"]["circuit"].is_null());
 }
 
+TEST_F(CircuitStudioTest, OfAnEditThePagesAreToldTheChangesOnly) {
+  Page p = page(), other = page();
+  const json before = p.ask({{"op", "hello"}});
+  (void)other.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
+  const json told = other.event("edited");
+  ASSERT_FALSE(told.is_null());
+  EXPECT_EQ(told["from"], before["revision"]);
+  EXPECT_GT(told["revision"], told["from"]);
+  EXPECT_EQ(told["changes"], clock_and_gain());
+  EXPECT_EQ(told["undo_label"], "Edit");
+  EXPECT_FALSE(told.contains("document"));
+  (void)p.ask({{"op", "undo"}});
+  EXPECT_TRUE(other.event("document")["document"]["circuit"].is_null()) << "everything else comes whole";
+}
+
 TEST_F(CircuitStudioTest, ACircuitThatDoesNotRunSaysWhyAndPlayIsRefused) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});

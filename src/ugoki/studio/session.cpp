@@ -157,7 +157,19 @@ std::string Session::hello() const {
   return fields;
 }
 
+std::string Session::document_event() const { return "{\"event\":\"document\"," + document_fields() + "}"; }
+
+std::string Session::edited_event(const std::string& changes, std::uint64_t from) const {
+  return "{\"event\":\"edited\",\"from\":" + std::to_string(from) + ",\"changes\":" + changes + "," + state_fields() + "}";
+}
+
 std::string Session::document_fields() const {
+  std::string fields = state_fields();
+  if (project_.scenario().circuit.empty()) fields += ",\"generated_circuit\":" + content::default_circuit(project_.scenario());
+  return fields + ",\"document\":" + project_.document();
+}
+
+std::string Session::state_fields() const {
   Json characters = Json::array();
   for (const content::ScenarioCharacter& c : project_.scenario().characters) {
     const auto mechanism = project_.resources().mechanisms.find(c.mechanism);
@@ -175,10 +187,8 @@ std::string Session::document_fields() const {
                       {"redo_label", project_.redo_label()},
                       {"unsaved", project_.unsaved()},
                       {"revision", project_.revision()}};
-  std::string fields = text_of(state);
-  fields = fields.substr(1, fields.size() - 2);
-  if (project_.scenario().circuit.empty()) fields += ",\"generated_circuit\":" + content::default_circuit(project_.scenario());
-  return fields + ",\"document\":" + project_.document();
+  const std::string fields = text_of(state);
+  return fields.substr(1, fields.size() - 2);
 }
 
 std::string Session::transport_event() const {
@@ -201,9 +211,12 @@ Result<std::string> Session::execute(const Request& request) {
   if (!library_ && !options_.library_path.empty()) {
     if (Result<store::Library> opened = store::Library::open(options_.library_path)) library_.emplace(std::move(*opened));
   }
+  const std::uint64_t from = project_.revision();
   Result<project::Change> change = project_.execute(text_of(*command), library_ ? &*library_ : nullptr);
   if (!change) return fail(std::move(change.error()));
-  if (!change->label.empty()) changed();
+  // Of a large circuit the pages are told what changed in it, not all of it.
+  const bool edit = command->value("type", Json()) == "circuit.edit";
+  if (!change->label.empty()) changed(edit ? edited_event(text_of((*command)["changes"]), from) : document_event());
   return ",\"label\":" + text_of(change->label) + ",\"created\":" + text_of(change->created) +
          ",\"revision\":" + std::to_string(project_.revision());
 }
@@ -211,7 +224,7 @@ Result<std::string> Session::execute(const Request& request) {
 Result<std::string> Session::undo_or_redo(bool undo) {
   Result<std::string> label = undo ? project_.undo() : project_.redo();
   if (!label) return label;
-  changed();
+  changed(document_event());
   return ",\"label\":" + text_of(*label) + ",\"revision\":" + std::to_string(project_.revision());
 }
 
@@ -229,7 +242,7 @@ Result<std::string> Session::save(const Request& request) {
     saved = project_.save_as(to.string(), overwrite != request.json.end() && overwrite->is_boolean() && overwrite->get<bool>());
   }
   if (!saved) return fail(std::move(saved.error()));
-  outbox_.broadcast("{\"event\":\"document\"," + document_fields() + "}");
+  outbox_.broadcast(document_event());
   return ",\"path\":" + text_of(project_.path());
 }
 
@@ -306,8 +319,8 @@ Result<void> Session::forward(const Request& request) {
   return fail(ErrorCode::io, "interpreter", "The interpreter does not listen.", "Play again; it will be started anew.");
 }
 
-void Session::changed() {
-  outbox_.broadcast("{\"event\":\"document\"," + document_fields() + "}");
+void Session::changed(std::string event) {
+  outbox_.broadcast(std::move(event));
   const std::vector<std::byte> before = executable_;
   generate();
   if (!process_ || executable_.empty() || executable_ == before) return;

@@ -80,7 +80,11 @@ class Session {
   [[nodiscard]] Result<void> check_transport(const Request& request) const;
   [[nodiscard]] Result<void> forward(const Request& request);
 
-  void changed();
+  /// @param event that tells the pages
+  void changed(std::string event);
+  [[nodiscard]] std::string document_event() const;
+  [[nodiscard]] std::string edited_event(const std::string& changes, std::uint64_t from) const;
+  [[nodiscard]] std::string state_fields() const;
   void generate();
   /// The content, which does not play, with the circuit that the generator makes: so that the tracks can still be seen.
   void load_without_circuit();
