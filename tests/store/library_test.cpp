@@ -140,8 +140,9 @@ TEST_P(LibraryTest, KeepsThumbnailsUntilTheDataChange) {
 
 TEST_P(LibraryTest, TellsTagsWithTheirCounts) {
   Library library = open();
-  ASSERT_TRUE(library.put(std::vector{make_item(EntryKind::motion, "a", "1", {"cmu", "walk"}), make_item(EntryKind::motion, "b", "2", {"cmu"}),
-                                      make_item(EntryKind::mechanism, "c", "3", {"cmu", "body"})}));
+  ASSERT_TRUE(
+      library.put(std::vector{make_item(EntryKind::motion, "a", "1", {"cmu", "walk"}), make_item(EntryKind::motion, "b", "2", {"cmu"}),
+                              make_item(EntryKind::mechanism, "c", "3", {"cmu", "body"})}));
   const auto all = library.tags();
   ASSERT_TRUE(all) << all.error().text();
   EXPECT_EQ(*all, (std::vector<std::pair<std::string, std::size_t>>{{"cmu", 3}, {"body", 1}, {"walk", 1}}));

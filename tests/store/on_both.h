@@ -74,7 +74,6 @@ class OnBoth : public ::testing::TestWithParam<Which> {
   std::string place_;
 };
 
-#define UGOKI_ON_BOTH(Suite) \
-  INSTANTIATE_TEST_SUITE_P(Databases, Suite, ::testing::Values(Which::sqlite, Which::postgres), name_of_database)
+#define UGOKI_ON_BOTH(Suite) INSTANTIATE_TEST_SUITE_P(Databases, Suite, ::testing::Values(Which::sqlite, Which::postgres), name_of_database)
 
 }  // namespace ugoki::store

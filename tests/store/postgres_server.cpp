@@ -102,7 +102,7 @@ pid_t PostgresServer::pid() const {
 std::string PostgresServer::library() const { return "postgresql://ugoki@/postgres?host=" + folder_; }
 
 std::string PostgresServer::fresh_library() {
-  (void)psql("DROP SCHEMA IF EXISTS ugoki CASCADE");
+  if (psql("DELETE FROM ugoki.entry; DELETE FROM ugoki.blob") != "") (void)psql("DROP SCHEMA IF EXISTS ugoki CASCADE");
   return library();
 }
 

@@ -241,6 +241,10 @@ Result<CopyReport> export_set(const Library& from, const std::vector<std::string
                               const CopyOptions& options) {
   Result<std::vector<std::string>> entries = with_references(from, ids);
   if (!entries) return fail(std::move(entries.error()));
+  const std::string folder = fs::path(path).parent_path().string();
+  std::error_code ignored;
+  if (!folder.empty() && !fs::is_directory(folder, ignored))
+    return fail(ErrorCode::io, path, "There is no folder " + folder + ".", "Make it first, or choose another place.");
   const Unfinished temporary{path + ".part-" + std::to_string(::getpid())};
   CopyReport report;
   {
@@ -256,7 +260,6 @@ Result<CopyReport> export_set(const Library& from, const std::vector<std::string
     if (Result<void> one_file = body_of(*to).connection->script("PRAGMA journal_mode = DELETE"); !one_file)
       return fail(std::move(one_file.error()));
   }
-  const std::string folder = fs::path(path).parent_path().string();
   if (!sync(temporary.path, O_RDONLY) || ::rename(temporary.path.c_str(), path.c_str()) != 0)
     return fail(ErrorCode::io, path, "The file cannot be written.", "Check the folder, its permissions and the space on the disk.");
   (void)sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);

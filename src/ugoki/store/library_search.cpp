@@ -111,24 +111,24 @@ class Search {
       after = std::move(*position);
     }
     const bool filtered = !phrases_.empty() || !tags_.empty();
-    std::size_t fit = counted_at_most + 1;
+    std::size_t fit = body_.few + 1;
     if (filtered && body_.full_text && !query_.removed) {
       Result<std::size_t> counted = count_matches(false);
       if (!counted) return fail(std::move(counted.error()));
       fit = *counted;
-      if (by_relevance_ && fit > counted_at_most) {
+      if (by_relevance_ && fit > body_.few) {
         counted = count_matches(true);
         if (!counted) return fail(std::move(counted.error()));
-        few_names_ = *counted <= counted_at_most;
+        few_names_ = *counted <= body_.few;
       }
     } else if (!after && !filtered) {
       if (Result<void> counted = count_all(out); !counted) return fail(std::move(counted.error()));
     }
     if (filtered) {
-      out.total = std::min(fit, counted_at_most);
-      out.total_exact = fit <= counted_at_most;
+      out.total = std::min(fit, body_.few);
+      out.total_exact = fit <= body_.few;
     }
-    Result<std::vector<Hit>> hits = fit > counted_at_most ? walk(after) : sorted(after);
+    Result<std::vector<Hit>> hits = fit > body_.few ? walk(after) : sorted(after);
     if (!hits) return fail(std::move(hits.error()));
     if (hits->size() > query_.limit) {
       hits->resize(query_.limit);
@@ -160,12 +160,12 @@ class Search {
     return out.replace(out.find("{query}"), 7,
                        sql.parameter(dialect().postgres ? phrases_.tsquery(in_name, tags_, kinds) : phrases_.fts5(in_name, tags_, kinds)));
   }
-  /// How many they are, at most one more than counted_at_most.
+  /// How many they are, at most one more than `few`.
   Result<std::size_t> count_matches(bool in_name) const {
     Sql sql;
     const std::string select = match(sql, in_name);
     const Result<Rows> rows = connection().query(
-        "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(counted_at_most + 1) + ") y", sql.values);
+        "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(body_.few + 1) + ") y", sql.values);
     if (!rows) return fail(rows.error());
     return static_cast<std::size_t>(rows->integer(0, 0));
   }

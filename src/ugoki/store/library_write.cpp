@@ -167,8 +167,7 @@ Result<LibraryEntry> Library::restore(std::string_view id, int base, int version
 Result<void> Library::rename(std::string_view id, std::string_view name) {
   const Result<LibraryEntry> entry = get(id);
   if (!entry) return fail(entry.error());
-  const Result<LibraryEntry> saved =
-      save({.id = entry->id, .base = entry->version, .name = std::string(name)});
+  const Result<LibraryEntry> saved = save({.id = entry->id, .base = entry->version, .name = std::string(name)});
   if (!saved) return fail(saved.error());
   return {};
 }

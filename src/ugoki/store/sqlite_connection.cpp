@@ -79,7 +79,8 @@ class SqliteConnection final : public Connection {
         problems.add(ErrorCode::syntax, place(), "The file is damaged: " + found->text(i, 0) + ".",
                      "Copy what can be read with `ugoki db copy`, or restore the file from a copy.");
     // A full-text index that does not fit its content is found by FTS5 itself.
-    if (Result<void> text = database_.run("INSERT INTO entry_text (entry_text) VALUES ('integrity-check')"); !text)
+    if (Result<void> text = database_.run("INSERT INTO entry_text (entry_text) VALUES ('integrity-check')");
+        !text && text.error().problems.front().code == ErrorCode::syntax)  // not where the file may only be read
       problems.add(ErrorCode::syntax, place(), "The index of the full-text search is damaged.",
                    "Make it anew with `ugoki db check --repair`.");
     return {};

@@ -1,0 +1,202 @@
+// Sets, copies and the migration between the databases.
+
+#include <algorithm>
+#include <fstream>
+
+#include "on_both.h"
+#include "ugoki/store/copy.h"
+#include "ugoki/store/sqlite.h"
+
+namespace ugoki::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Everything that a library knows, as one text.
+std::string told(const Library& library, bool with_trash = true) {
+  std::string out;
+  for (const bool removed : {false, true}) {
+    if (removed && !with_trash) break;
+    const auto page = library.find({.removed = removed});
+    if (!page) return page.error().text();
+    for (const LibraryEntry& e : page->entries) {
+      out += e.id + "|" + e.name + "|" + e.summary + "|" + e.note + "|" + e.created + "|" + e.changed + "|" + e.author + "|" + e.removed +
+             e.removed_by + "|";
+      for (const std::string& tag : e.tags) out += tag + ",";
+      const auto picture = library.thumbnail(e.id);
+      if (picture) out += std::to_string(picture->size());
+      const auto history = library.history(e.id);
+      if (!history) return history.error().text();
+      for (const LibraryVersion& v : *history) {
+        const auto data = library.content(v.content);
+        out += "\n  " + std::to_string(v.version) + v.name + v.summary + v.note + v.content + v.author + v.saved + std::to_string(v.size);
+        out += data ? " " + std::string(reinterpret_cast<const char*>(data->data()), data->size()) : data.error().text();
+      }
+      out += "\n";
+    }
+  }
+  return out;
+}
+
+class CopyTest : public OnBoth {
+ protected:
+  std::string other_file() const { return folder_.path() + "/other.db"; }
+  /// Five entries with versions, tags, thumbnail, trash. @return ids: body, walk, run
+  static std::vector<std::string> fill(Library& library) {
+    library.set_author("anna");
+    const std::string body = library.put(std::vector{make_item(EntryKind::mechanism, "body", "B", {"human"})})->front();
+    const std::string summary = R"({"duration": 2, "mechanism": ")" + body + "\"}";
+    const auto ids =
+        library.put(std::vector{make_item(EntryKind::motion, "walk", "W1", {"cmu", "slow"}, summary),
+                                make_item(EntryKind::motion, "run", "R1", {"cmu"}), make_item(EntryKind::motion, "gone", "G")});
+    EXPECT_TRUE(library.save({.id = (*ids)[0], .base = 1, .name = "stroll", .data = bytes_of("W2")}));
+    EXPECT_TRUE(library.set_thumbnail((*ids)[0], bytes_of("\x89PNG\r\n\x1a\n")));
+    EXPECT_TRUE(library.remove((*ids)[2]));
+    return {body, (*ids)[0], (*ids)[1]};
+  }
+};
+UGOKI_ON_BOTH(CopyTest);
+
+TEST_P(CopyTest, AWholeLibraryGoesThereAndBackUnchanged) {
+  Library here = open();
+  fill(here);
+  Result<Library> there = Library::open(other_file());
+  ASSERT_TRUE(there);
+  const auto report = copy_entries(here, *there);
+  ASSERT_TRUE(report) << report.error().text();
+  EXPECT_EQ(report->added, 4u);
+  EXPECT_EQ(report->versions, 5u);
+  EXPECT_EQ(told(*there), told(here));
+  EXPECT_TRUE(there->check(false)->problems.empty()) << there->check(false)->problems.text();
+  EXPECT_EQ(names_of(there->find({.text = "cmu strol"})), std::vector<std::string>{"stroll"});
+  const auto again = copy_entries(here, *there);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->added + again->versions + again->blobs + again->continued, 0u);
+  EXPECT_EQ(again->equal, 4u);
+  // Into the database of the other kind and back.
+  if (PostgresServer* server = PostgresServer::get(); server != nullptr && !on_postgres()) {
+    Result<Library> team = Library::open(server->fresh_library());
+    ASSERT_TRUE(team && copy_entries(here, *team));
+    EXPECT_EQ(told(*team), told(here));
+    Result<Library> back = Library::open(folder_.path() + "/back.db");
+    ASSERT_TRUE(back && copy_entries(*team, *back));
+    EXPECT_EQ(told(*back), told(here));
+  }
+}
+
+TEST_P(CopyTest, GoesOnWhereItWasStopped) {
+  Library here = open();
+  std::vector<LibraryItem> items;
+  for (int i = 0; i < 1000; ++i) items.push_back(make_item(EntryKind::motion, "m" + std::to_string(i), std::to_string(i)));
+  ASSERT_TRUE(here.put(items));
+  Result<Library> there = Library::open(other_file());
+  ASSERT_TRUE(there);
+  CopyOptions options;
+  double reached = 0;
+  options.progress = [&](double done) { reached = done; };
+  options.stop = [&] { return reached >= 0.5; };
+  const auto stopped = copy_entries(here, *there, options);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().problems.front().code, ErrorCode::cancelled);
+  const std::size_t half = *there->count(EntryKind::motion);
+  EXPECT_GE(half, 500u);
+  EXPECT_LT(half, 1000u);
+  options.stop = {};
+  const auto rest = copy_entries(here, *there, options);
+  ASSERT_TRUE(rest) << rest.error().text();
+  EXPECT_EQ(rest->added, 1000u - half);
+  EXPECT_EQ(rest->equal, half);
+  EXPECT_EQ(told(*there), told(here));
+}
+
+TEST_P(CopyTest, NewerVersionsFollowAndDifferencesAreNeverOverwritten) {
+  Library here = open();
+  const std::vector<std::string> ids = fill(here);
+  Result<Library> there = Library::open(other_file());
+  ASSERT_TRUE(there && copy_entries(here, *there));
+  // Newer here: follows. Newer there: stays.
+  ASSERT_TRUE(here.save({.id = ids[1], .base = 2, .data = bytes_of("W3")}));
+  ASSERT_TRUE(there->save({.id = ids[2], .base = 1, .data = bytes_of("R2")}));
+  const auto report = copy_entries(here, *there);
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->continued, 1u);
+  EXPECT_EQ(report->equal, 3u);
+  EXPECT_EQ(there->data(ids[1]), bytes_of("W3"));
+  EXPECT_EQ(there->data(ids[2]), bytes_of("R2"));
+  EXPECT_FALSE(there->get(ids[1])->thumbnail);
+  // Changed on both sides: named and left, or saved on top.
+  ASSERT_TRUE(here.save({.id = ids[2], .base = 1, .data = bytes_of("R2 of here")}));
+  const auto left = copy_entries(here, *there);
+  ASSERT_TRUE(left);
+  ASSERT_EQ(left->differing.size(), 1u);
+  EXPECT_NE(left->differing[0].find(ids[2]), std::string::npos);
+  EXPECT_EQ(there->data(ids[2]), bytes_of("R2"));
+  CopyOptions on_top;
+  on_top.save_differing = true;
+  const auto saved = copy_entries(here, *there, on_top);
+  ASSERT_TRUE(saved) << saved.error().text();
+  EXPECT_EQ(saved->saved, 1u);
+  EXPECT_EQ(there->data(ids[2]), bytes_of("R2 of here"));
+  EXPECT_EQ(there->data(ids[2], 2), bytes_of("R2"));
+  EXPECT_EQ(there->get(ids[2])->version, 3);
+  EXPECT_EQ(copy_entries(here, *there, on_top)->saved, 0u) << "once is enough";
+  EXPECT_TRUE(there->check(false)->problems.empty()) << there->check(false)->problems.text();
+}
+
+TEST_P(CopyTest, ASetBringsWhatItNeedsInOneFile) {
+  Library here = open();
+  const std::vector<std::string> ids = fill(here);
+  const std::string file = folder_.path() + "/walks.ugoki-set";
+  const auto exported = export_set(here, {ids[1]}, file);
+  ASSERT_TRUE(exported) << exported.error().text();
+  EXPECT_EQ(exported->added, 2u) << "the motion and its mechanism";
+  EXPECT_EQ(exported->versions, 3u);
+  for (const auto& entry : fs::directory_iterator(folder_.path()))
+    EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << entry.path();
+  {
+    const auto set = Library::open_read_only(file);
+    ASSERT_TRUE(set) << set.error().text();
+    Result<Library> there = Library::open(other_file());
+    ASSERT_TRUE(there && copy_entries(*set, *there));
+    EXPECT_EQ(there->data(ids[1]), bytes_of("W2"));
+    EXPECT_EQ(there->data(ids[1], 1), bytes_of("W1"));
+    EXPECT_EQ(there->data(ids[0]), bytes_of("B"));
+    EXPECT_TRUE(there->get(ids[1])->thumbnail);
+    EXPECT_FALSE(there->get(ids[2]));
+  }
+  const std::string list = "[\"" + ids[1] + "\", \"" + ids[2] + "\"]";
+  const auto set = here.put(std::vector{make_item(EntryKind::set, "both", list)});
+  ASSERT_TRUE(set);
+  CopyOptions latest;
+  latest.latest_only = true;
+  const auto all = export_set(here, {set->front()}, file, latest);
+  ASSERT_TRUE(all) << all.error().text();
+  EXPECT_EQ(all->added, 4u);
+  EXPECT_EQ(all->versions, 4u);
+  const auto only = Library::open_read_only(file);
+  ASSERT_TRUE(only);
+  EXPECT_EQ(only->get(ids[1])->version, 2);
+  EXPECT_FALSE(only->data(ids[1], 1));
+  EXPECT_TRUE(only->check(false)->problems.empty()) << only->check(false)->problems.text();
+  EXPECT_FALSE(export_set(here, {"m-none"}, file));
+  EXPECT_FALSE(export_set(here, {ids[0]}, "/nowhere/at/all/x.ugoki-set"));
+}
+
+TEST_P(CopyTest, DamagedDataAreNotCopied) {
+  Library here = open();
+  const std::vector<std::string> ids = fill(here);
+  if (on_postgres()) {
+    EXPECT_EQ(PostgresServer::get()->psql("UPDATE ugoki.blob SET bytes = 'x' WHERE bytes = 'R1'"), "");
+  } else {
+    auto database = Database::open(place_, OpenMode::read_write);
+    ASSERT_TRUE(database && database->run("UPDATE blob SET bytes = x'00' WHERE bytes = CAST('R1' AS BLOB)"));
+  }
+  Result<Library> there = Library::open(other_file());
+  ASSERT_TRUE(there);
+  const auto refused = copy_entries(here, *there);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text().find(ids[2]), std::string::npos) << refused.error().text();
+}
+
+}  // namespace
+}  // namespace ugoki::store

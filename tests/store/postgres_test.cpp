@@ -1,0 +1,83 @@
+// What only a server can do: be gone, be newer, be asked with a password.
+
+#include <csignal>
+
+#include "on_both.h"
+#include "ugoki/store/connection.h"
+
+namespace ugoki::store {
+namespace {
+
+TEST(PostgresPlaceTest, PasswordsAreNeverShown) {
+  EXPECT_EQ(without_password("postgresql://anna:s3cret@host:5432/db?sslmode=require"), "postgresql://anna@host:5432/db?sslmode=require");
+  EXPECT_EQ(without_password("postgres://anna@host/db"), "postgres://anna@host/db");
+  EXPECT_EQ(without_password("postgresql://host/db?user=anna&password=s3cret&x=1"), "postgresql://host/db?user=anna&password=***&x=1");
+  EXPECT_EQ(without_password("/home/a:b@c/library.db"), "/home/a:b@c/library.db");
+  for (const char* address :
+       {"postgresql://anna:s3cret@127.0.0.1:1/db", "postgresql://anna:s3cret@127.0.0.1:notaport/db",
+        "postgresql://anna:s3cret@b@127.0.0.1:1/db", "postgresql://anna:a/s3cret@127.0.0.1:1/db",
+        "postgresql://127.0.0.1:1/db?password=s3cret", "postgresql://127.0.0.1:1/db?password=a@s3cret",
+        "postgresql://anna:%73s3cret@[::1/db", "postgresql://anna:s3cret@127.0.0.1:1/db?nonsense=1", "postgresql://:s3cret@127.0.0.1:1"}) {
+    const auto refused = Library::open(address);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().text().find("s3cret"), std::string::npos) << refused.error().text();
+    EXPECT_EQ(without_password(address).find("s3cret"), std::string::npos) << without_password(address);
+    EXPECT_EQ(refused.error().problems.front().code, ErrorCode::io);
+    EXPECT_FALSE(refused.error().problems.front().remedy.empty());
+  }
+}
+
+class PostgresTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    server_ = PostgresServer::get();
+    if (server_ == nullptr) GTEST_SKIP() << PostgresServer::why();
+    place_ = server_->fresh_library();
+  }
+  PostgresServer* server_ = nullptr;
+  std::string place_;
+};
+
+TEST_F(PostgresTest, AConnectionThatWasCutComesBackByItself) {
+  Result<Library> library = Library::open(place_);
+  ASSERT_TRUE(library) << library.error().text();
+  const auto id = library->put(std::vector{make_item(EntryKind::motion, "walk", "1")});
+  ASSERT_TRUE(id);
+  const std::string cut = "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE application_name = 'ugoki'";
+  EXPECT_EQ(server_->psql(cut), "1");
+  EXPECT_EQ(library->data(id->front()), bytes_of("1"));
+  EXPECT_EQ(server_->psql(cut), "1");
+  EXPECT_TRUE(library->put(std::vector{make_item(EntryKind::motion, "run", "2")}));
+  server_->stop();
+  const auto gone = library->put(std::vector{make_item(EntryKind::motion, "jump", "3")});
+  ASSERT_FALSE(gone);
+  EXPECT_EQ(gone.error().problems.front().code, ErrorCode::io) << gone.error().text();
+  EXPECT_FALSE(gone.error().problems.front().remedy.empty());
+  EXPECT_FALSE(library->find());
+  ASSERT_TRUE(server_->start());
+  EXPECT_EQ(names_of(library->find()), (std::vector<std::string>{"run", "walk"}));
+  EXPECT_TRUE(library->put(std::vector{make_item(EntryKind::motion, "jump", "3")}));
+  EXPECT_TRUE(library->check(false)->problems.empty());
+}
+
+TEST_F(PostgresTest, NewerAndEmptyDatabasesAreSaid) {
+  ASSERT_TRUE(Library::open(place_));
+  EXPECT_EQ(server_->psql("UPDATE ugoki.library SET version = 99"), "");
+  const auto newer = Library::open(place_);
+  ASSERT_FALSE(newer);
+  EXPECT_EQ(newer.error().problems.front().code, ErrorCode::unsupported) << newer.error().text();
+  EXPECT_EQ(server_->psql("SET client_min_messages = error; DROP SCHEMA ugoki CASCADE"), "");
+  const auto empty = Library::open_read_only(place_);
+  ASSERT_FALSE(empty);
+  EXPECT_EQ(empty.error().problems.front().code, ErrorCode::unknown) << empty.error().text();
+  EXPECT_EQ(server_->psql("CREATE ROLE guest LOGIN"), "");
+  const std::string as_guest = "postgresql://guest@" + place_.substr(place_.find("/postgres?"));
+  const auto guest = Library::open(as_guest);
+  ASSERT_FALSE(guest);
+  EXPECT_NE(guest.error().text().find("right"), std::string::npos) << guest.error().text();
+  EXPECT_EQ(server_->psql("DROP ROLE guest"), "");
+  EXPECT_TRUE(Library::open(place_));
+}
+
+}  // namespace
+}  // namespace ugoki::store
