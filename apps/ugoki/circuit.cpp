@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 
+#include "fmu.h"
 #include "output.h"
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/class_json.h"
@@ -189,6 +190,11 @@ int run_inside(const Options& o) {
 
   plugin::ThreadPool pool(o.threads);
   interpreter->set_executor(&pool);
+  /// FMUs may have something to say.
+  const auto tell = [&live] {
+    for (const std::string& m : live->take_messages()) std::cerr << "ugoki: " << m << '\n';
+  };
+  tell();
   std::optional<plugin::OscReceiver> osc;
   if (o.osc > 0) {
     Result<plugin::OscReceiver> opened = plugin::OscReceiver::open(static_cast<std::uint16_t>(o.osc));
@@ -203,7 +209,9 @@ int run_inside(const Options& o) {
   int hit = -1;
   while (interpreter->ticks() < ticks && hit < 0 && !interrupted()) {
     if (osc) receive(*osc, *interpreter);
-    if (!interpreter->tick()) {
+    const bool good = interpreter->tick();
+    if (!good || interpreter->ticks() % 64 == 0) tell();
+    if (!good) {
       const circuit::Stop& stop = *interpreter->stopped();
       return print_error(
           Error(ErrorCode::structure, stop.pin.empty() ? stop.lsi : stop.pin, stop.text(), "Correct the LSI or the circuit."), o.json);
@@ -217,6 +225,7 @@ int run_inside(const Options& o) {
     reload(*interpreter, *circuit, library, *live, build, o, pool);
   }
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  tell();
   if (!o.record.empty())
     if (Result<void> done = files::write_file(o.record, circuit::write_input_record(interpreter->recording())); !done)
       return print_error(done.error(), o.json);
@@ -362,6 +371,7 @@ void add_circuit_verb(CLI::App& app, Action& action) {
   add("test", "Run examples with expected values (docs/lsi.md).", "Examples, *.test.json", "ugoki circuit test examples/lsi/*.test.json",
       run_test);
   add("lsis", "Print all LSIs that circuits may use, as JSON.", "", "ugoki circuit lsis", run_lsis);
+  add_export_fmu(*verb, action);
 }
 
 }  // namespace ugoki::cli

@@ -17,6 +17,7 @@
 #include "ugoki/plugin/build.h"
 #include "ugoki/plugin/guard.h"
 #include "ugoki/plugin/live_library.h"
+#include "ugoki/plugin/load.h"
 #include "ugoki/plugin/run_program.h"
 #include "ugoki/plugin/shelf.h"
 #include "verb.h"
@@ -28,14 +29,17 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string target, output, name, compiler, hash, shelf;
-  bool cpp = false, install = false, yes = false, all = false, json = false;
+  bool cpp = false, start = false, install = false, yes = false, all = false, json = false;
 };
 
 std::string shelf_of(const Options& o) { return o.shelf.empty() ? plugin::default_shelf() : o.shelf; }
 
 /// What a library declares, asked of a process of its own: it may crash, and is not trusted yet.
-Result<Json> describe(const std::string& path) {
-  const Result<plugin::ProgramOutput> ran = plugin::run_program({"/proc/self/exe", "lsi", "describe", path}, std::chrono::seconds(20));
+/// @param start an FMU is started and ended, too, for that tells whether it works here
+Result<Json> describe(const std::string& path, bool start = false) {
+  std::vector<std::string> command{"/proc/self/exe", "lsi", "describe", path};
+  if (start) command.push_back("--start");
+  const Result<plugin::ProgramOutput> ran = plugin::run_program(command, std::chrono::seconds(start ? 60 : 20));
   if (!ran) return fail(ran.error());
   const Result<Json> json = json::parse_json(ran->out, path);
   if (ran->status == 0 && json) return *json;
@@ -61,6 +65,8 @@ int run_describe(const Options& o) {
     const Result<std::string> text = plugin::describe_library(o.target);
     plugin::set_phase({});
     if (!text) return tell(text.error());
+    if (o.start)
+      if (const Result<void> works = plugin::try_library(o.target); !works) return tell(works.error());
     print_line(*text);
     return 0;
   });
@@ -105,6 +111,7 @@ Result<Json> install(const Options& o, const std::string& path) {
   Result<Json> description = describe(path);
   if (!description) return description;
   if (Result<void> consent = ask_consent(o, *description, path); !consent) return fail(std::move(consent.error()));
+  if (const Result<Json> works = describe(path, true); !works) return works;
   const Result<plugin::ShelfEntry> entry = plugin::put_on_shelf(shelf_of(o), path, json::to_text(*description));
   if (!entry) return fail(entry.error());
   return description;
@@ -152,6 +159,7 @@ int run_install(const Options& o) {
     print_json(*description);
   } else {
     print_line("Installed '" + description->value("name", "") + "' (SHA-256 " + description->value("sha256", "") + ").");
+    if (const std::string doc = description->value("doc", ""); !doc.empty()) print_line(doc);
     print_classes((*description)["classes"]);
   }
   return 0;
@@ -264,7 +272,7 @@ int run_watch(Options o) {
 
 void add_lsi_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = app.add_subcommand("lsi", "Make, build, test and install libraries of software LSIs.");
+  CLI::App* verb = app.add_subcommand("lsi", "Make, build, test and install libraries of software LSIs, and install FMUs.");
   verb->require_subcommand(1);
   const auto add = [&](const char* name, const char* doc, const char* target, const char* example, int (*run)(const Options&)) {
     CLI::App* sub = verb->add_subcommand(name, doc);
@@ -288,8 +296,8 @@ void add_lsi_verb(CLI::App& app, Action& action) {
   add_build_options(build);
   build->add_flag("--install", options->install, "Install it too");
   build->add_flag("--yes", options->yes, "Install without asking");
-  CLI::App* install_verb =
-      add("install", "Install a library, after your consent.", "Library, *.so", "ugoki lsi install spring.so", run_install);
+  CLI::App* install_verb = add("install", "Install a library or an FMU, after your consent.", "Library (*.so) or FMU (*.fmu)",
+                               "ugoki lsi install spring.so", run_install);
   install_verb->add_flag("--yes", options->yes, "Without asking");
   install_verb->add_option("--hash", options->hash, "The SHA-256 that it must have; stands for your consent");
   add("list", "List what is installed.", "", "ugoki lsi list --all", run_list)
@@ -299,7 +307,9 @@ void add_lsi_verb(CLI::App& app, Action& action) {
       ->add_option("--compiler", options->compiler, "Compiler");
   add_build_options(add("watch", "Build and install a file whenever it changes.", "C or C++ file", "ugoki lsi watch spring.c",
                         [](const Options& o) { return run_watch(o); }));
-  add("describe", "Print what a library declares.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)->group("");
+  add("describe", "Print what a library declares.", "Library, *.so", "ugoki lsi describe spring.so", run_describe)
+      ->group("")
+      ->add_flag("--start", options->start, "Start an FMU, too");
 }
 
 }  // namespace ugoki::cli
