@@ -152,15 +152,16 @@ Result<std::vector<std::byte>> Library::thumbnail(std::string_view id) const {
 }
 
 Result<std::vector<std::pair<std::string, std::size_t>>> Library::tags(std::span<const std::string> kinds, std::size_t limit) const {
-  std::string condition;
+  std::string wanted;
   for (const std::string& name : kinds) {
     if (const Result<EntryKind> known = entry_kind_named(name); !known) return fail(known.error());
-    condition += (condition.empty() ? " AND e.kind IN ('" : ",'") + name + "'";
+    wanted += (wanted.empty() ? "'" : ", '") + name + "'";
   }
-  if (!condition.empty()) condition += ")";
+  for (const EntryKind kind : entry_kinds)
+    if (kinds.empty()) wanted += (wanted.empty() ? "'" : ", '") + std::string(name_of(kind)) + "'";
   const Result<Rows> rows =
-      body_->connection->query("SELECT t.tag, count(*) FROM tag t JOIN entry e ON e.no = t.entry WHERE e.removed IS NULL" + condition +
-                               " GROUP BY t.tag ORDER BY count(*) DESC, t.tag LIMIT " + std::to_string(limit));
+      body_->connection->query("SELECT tag, sum(n) FROM (SELECT kind, tag, count(*) AS n FROM tag WHERE kind IN (" + wanted +
+                               ") GROUP BY kind, tag) x GROUP BY tag ORDER BY sum(n) DESC, tag LIMIT " + std::to_string(limit));
   if (!rows) return fail(rows.error());
   std::vector<std::pair<std::string, std::size_t>> out;
   for (std::size_t r = 0; r < rows->size(); ++r) out.emplace_back(rows->text(r, 0), static_cast<std::size_t>(rows->integer(r, 1)));

@@ -41,6 +41,7 @@ SearchText search_text(const EntryRow& entry) {
   text.add_other(texts_of(entry.newest.summary));
   text.marks.push_back(kind_mark(entry.kind));
   for (const std::string& tag : entry.tags) text.marks.push_back(tag_mark(tag));
+  for (const std::string& word : text.name) text.marks.push_back(name_mark(word));
   return text;
 }
 
@@ -187,7 +188,10 @@ Result<void> insert_version(Connection& connection, std::int64_t no, const Versi
 }
 
 Result<void> insert_tag(Connection& connection, std::int64_t no, const std::string& tag) {
-  return without_rows(connection.query("INSERT INTO tag (entry, tag) VALUES (?1, ?2) ON CONFLICT DO NOTHING", {no, tag}));
+  return without_rows(
+      connection.query("INSERT INTO tag (entry, tag, kind) SELECT e.no, ?2, CASE WHEN e.removed IS NULL THEN e.kind ELSE '' END "
+                       "FROM entry e WHERE e.no = ?1 ON CONFLICT DO NOTHING",
+                       {no, tag}));
 }
 
 Result<void> refresh_words(Connection& connection, std::int64_t no) {
@@ -198,6 +202,9 @@ Result<void> refresh_words(Connection& connection, std::int64_t no) {
   const SearchText text = search_text(e);
   Result<void> done = without_rows(connection.query("UPDATE entry SET name_key = ?2, words = ?3, duration_ms = ?4 WHERE no = ?1",
                                                     {no, name_key(e.newest.name), text.all(), duration_ms(e.newest.summary)}));
+  if (done)
+    done = without_rows(
+        connection.query("UPDATE tag SET kind = ?2 WHERE entry = ?1 AND kind <> ?2", {no, e.removed.empty() ? Value(e.kind) : Value("")}));
   if (done)
     done = without_rows(connection.query(
         connection.dialect().postgres ? "DELETE FROM entry_text WHERE entry = ?1" : "DELETE FROM entry_text WHERE rowid = ?1", {no}));

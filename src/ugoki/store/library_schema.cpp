@@ -38,6 +38,7 @@ CREATE TABLE entry (
   removed     {text},                  -- when it went into the trash
   removed_by  {text}
 ){strict};
+CREATE INDEX entry_by_kind ON entry (kind) WHERE removed IS NULL;
 CREATE INDEX entry_by_name ON entry (kind, name_key, id) WHERE removed IS NULL;
 CREATE INDEX entry_by_change ON entry (kind, changed, id) WHERE removed IS NULL;
 CREATE INDEX entry_by_duration ON entry (kind, duration_ms, id) WHERE removed IS NULL;
@@ -62,9 +63,10 @@ CREATE INDEX version_by_data ON version (data);
 CREATE TABLE tag (
   entry {integer} NOT NULL REFERENCES entry (no) ON DELETE CASCADE,
   tag   {text} NOT NULL CHECK (length(tag) > 0),
+  kind  {text} NOT NULL,               -- of the entry, for counting; empty: it is in the trash
   PRIMARY KEY (entry, tag)
 ){strict};
-CREATE INDEX tag_by_name ON tag (tag, entry);
+CREATE INDEX tag_by_kind ON tag (kind, tag);
 )";
 constexpr const char* sqlite_text =
     "CREATE VIRTUAL TABLE entry_text USING fts5 (name, other, marks, tokenize = 'ascii', prefix = '1 2 3');";

@@ -225,21 +225,23 @@ class Search {
   /// Few fit: all of them, sorted.
   Result<std::vector<Hit>> sorted(const std::optional<Position>& after) const {
     Sql sql;
-    const std::string with = "WITH hit AS MATERIALIZED (" + match(sql, false) + ") ";
-    const std::string from = " FROM hit h " + dialect().join + " entry e ON e.no = h.no WHERE " + conditions(sql);
+    sql.text = "WITH hit AS MATERIALIZED (" + match(sql, false) + ") ";
     std::string part = "0";
     if (by_relevance_) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
     const Column column = column_of(query_.order);
-    sql.text = with + "SELECT * FROM (SELECT " + entry_columns + ", " + column.name + " AS key, " + part + " AS part" + from + ") e";
+    // Only what is compared is sorted; the rows of the page are fetched afterwards.
+    std::string narrow = "SELECT e.no, e.id, " + std::string(column.name) + " AS key, " + part + " AS part FROM hit h " + dialect().join +
+                         " entry e ON e.no = h.no WHERE e.removed IS NULL";
+    std::string place;
     if (after) {
       // The parts are compared first: each is a list of its own.
-      const std::string here = std::to_string(after->part);
-      std::string key = column.number ? after->key : sql.parameter(Value(after->key));
-      sql.text += " WHERE e.part > " + here + " OR (e.part = " + here + " AND (e.key, e.id) " + (column.descending ? "<" : ">") + " (" +
-                  key + ", " + sql.parameter(Value(after->id)) + "))";
+      const std::string here = std::to_string(after->part), key = column.number ? after->key : sql.parameter(Value(after->key));
+      place = " WHERE s.part > " + here + " OR (s.part = " + here + " AND (s.key, s.id) " + (column.descending ? "<" : ">") + " (" + key +
+              ", " + sql.parameter(Value(after->id)) + "))";
     }
-    const std::string way = column.descending ? " DESC" : "";
-    sql.text += " ORDER BY e.part, e.key" + way + ", e.id" + way + " LIMIT " + std::to_string(query_.limit + 1);
+    const std::string way = column.descending ? " DESC" : "", order = " ORDER BY s.part, s.key" + way + ", s.id" + way;
+    sql.text += ", page AS MATERIALIZED (SELECT * FROM (" + narrow + ") s" + place + order + " LIMIT " + std::to_string(query_.limit + 1) +
+                ") SELECT " + entry_columns + ", s.key, s.part FROM page s " + dialect().join + " entry e ON e.no = s.no" + order;
     std::vector<Hit> hits;
     if (Result<void> done = run(sql, -1, hits); !done) return fail(std::move(done.error()));
     return hits;

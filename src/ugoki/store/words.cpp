@@ -143,13 +143,18 @@ std::string SearchText::mark_words() const { return joined(marks, " "); }
 std::string kind_mark(std::string_view kind) { return std::string(filter_mark) + "k" + std::string(kind); }
 std::string tag_mark(std::string_view tag) { return std::string(filter_mark) + "t" + sha256(tag).substr(0, 24); }
 
+std::string name_mark(std::string_view word) { return std::string(filter_mark) + "n" + std::string(word); }
+
 std::string SearchText::tsvector() const {
   std::string out;
   std::size_t position = 0;
-  for (const std::string& word : name) out += quoted(word) + ":" + std::to_string(++position) + "A ";
-  ++position;  // no phrase from the name into the rest
-  for (const std::string& word : other) out += quoted(word) + ":" + std::to_string(++position) + " ";
-  for (const std::string& mark : marks) out += quoted(mark) + " ";
+  const auto add = [&](const std::vector<std::string>& words) {
+    for (const std::string& word : words) out += quoted(word) + ":" + std::to_string(++position) + " ";
+    ++position;  // no phrase from one part into the next
+  };
+  add(name);
+  add(other);
+  add(marks);
   return out;
 }
 
@@ -157,8 +162,12 @@ std::string SearchPhrases::in_words(std::size_t phrase) const { return joined(ph
 
 std::string SearchPhrases::fts5(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds) const {
   std::string all;
-  for (std::size_t i = 0; i < phrases.size(); ++i)
-    all += (i ? " AND " : "") + std::string(in_name ? "{name} : \"" : "\"") + in_words(i).substr(1) + "\" *";
+  for (const std::vector<std::string>& phrase : phrases) {
+    all += all.empty() ? "\"" : " AND \"";
+    for (const std::string& word : phrase) all += (in_name ? name_mark(word) : word) + " ";
+    all.back() = '"';
+    all += " *";
+  }
   for (const std::string& tag : tags) all += (all.empty() ? "\"" : " AND \"") + tag_mark(tag) + "\"";
   std::string any;
   for (const std::string& kind : kinds) any += (any.empty() ? "(\"" : " OR \"") + kind_mark(kind) + "\"";
@@ -170,10 +179,8 @@ std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>&
   std::string all;
   for (const std::vector<std::string>& phrase : phrases) {
     all += all.empty() ? "(" : " & (";
-    for (std::size_t i = 0; i < phrase.size(); ++i) {
-      const bool last = i + 1 == phrase.size();
-      all += (i ? " <-> " : "") + quoted(phrase[i]) + (last || in_name ? ":" : "") + (last ? "*" : "") + (in_name ? "A" : "");
-    }
+    for (std::size_t i = 0; i < phrase.size(); ++i)
+      all += (i ? " <-> " : "") + quoted(in_name ? name_mark(phrase[i]) : phrase[i]) + (i + 1 == phrase.size() ? ":*" : "");
     all += ")";
   }
   for (const std::string& tag : tags) all += (all.empty() ? "" : " & ") + quoted(tag_mark(tag));

@@ -25,20 +25,22 @@ inline constexpr std::size_t longest_word = 120;
 /// All words of an entry: those of the name first, a mark that is no word between two fields, so that nothing is found across them.
 struct SearchText {
   std::vector<std::string> name, other;
-  std::vector<std::string> marks;  ///< of the kind and the tags, see below: only in the index
+  std::vector<std::string> marks;  ///< of the kind, the tags and the name's words, see below: only in the index
   void add_other(std::string_view text);
   /// " walk slow <mark> cmu ...": each word after a blank.
   [[nodiscard]] std::string all() const;
   [[nodiscard]] std::string name_words() const;   ///< for the column `name` of FTS5
   [[nodiscard]] std::string other_words() const;  ///< for the column `other` of FTS5
   [[nodiscard]] std::string mark_words() const;   ///< for the column `marks` of FTS5
-  /// A literal of PostgreSQL's type tsvector; the name's words have weight A.
+  /// A literal of PostgreSQL's type tsvector.
   [[nodiscard]] std::string tsvector() const;
 };
 
-/// Words that no text can hold: they stand for a kind and for exactly this tag, so that the index alone can tell what fits a whole query.
+/// Words that no text can hold: they stand for a kind, for exactly this tag, so that the index alone can tell what fits a whole query.
 [[nodiscard]] std::string kind_mark(std::string_view kind);
 [[nodiscard]] std::string tag_mark(std::string_view tag);
+/// A word of a name: searching names alone then costs what their words cost, not what all texts cost.
+[[nodiscard]] std::string name_mark(std::string_view word);
 
 /// What somebody looks for: all of the phrases; each is words in a row, of which the last may go on.
 struct SearchPhrases {
