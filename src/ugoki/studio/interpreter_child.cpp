@@ -167,6 +167,7 @@ int run_interpreter(SimulationOpener opener) {
         for (const std::string& sentence : interpreter.change_library()) tell("info", sentence);
         tell_library();
       }
+      for (const std::string& said : lsi_library().take_messages()) tell("info", said);  // by FMUs that run
     }
     while (std::optional<ChannelMessage> message = inbox.take(std::min(wait, library_period))) {
       wait = 0;
