@@ -6,6 +6,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/circuit.h"
+#include "ugoki/circuit/migrate.h"
 #include "ugoki/json/json.h"
 
 namespace ugoki::circuit {
@@ -84,9 +85,10 @@ class Reader {
       problems.add(ErrorCode::syntax, place + "/version", "The version of the form is missing.",
                    "Write \"version\": " + std::to_string(circuit_version) + ".");
     } else if (it->get<std::int64_t>() != circuit_version) {
-      problems.add(ErrorCode::unsupported, place + "/version",
-                   "This program reads circuits of version " + std::to_string(circuit_version) + ".",
-                   "Use the program that wrote it, or a newer one.");
+      problems.add(
+          ErrorCode::unsupported, place + "/version",
+          "This program reads circuits up to version " + std::to_string(circuit_version) + ", this one has version " + it->dump() + ".",
+          "Use the program that wrote it, or a newer one.");
     }
   }
 
@@ -375,8 +377,11 @@ std::string circuit_text(const Circuit& c, const std::string& indent, bool outer
 }  // namespace
 
 Result<Circuit> read_circuit(std::string_view text, std::string_view place) {
-  const Result<Json> json = json::parse_json(text, place);
-  if (!json) return fail(json.error());
+  Result<Json> json = json::parse_json(text, place);
+  if (!json) return fail(std::move(json.error()));
+  if (json->is_object() && json->contains("version") && (*json)["version"].is_number_integer())
+    if (const auto version = (*json)["version"].get<std::int64_t>(); version >= 1 && version < circuit_version)
+      migrate(*json, version, migrations());
   Reader reader;
   Circuit circuit = reader.read(*json, std::string(place), 0, true);
   if (!reader.problems.empty()) return fail(std::move(reader.problems));

@@ -8,6 +8,7 @@
 #include "ugoki/base/result.h"
 #include "ugoki/circuit/circuit.h"
 #include "ugoki/circuit/library.h"
+#include "ugoki/circuit/resources.h"
 
 namespace ugoki::circuit {
 
@@ -31,6 +32,8 @@ struct Example {
 [[nodiscard]] Result<Example> read_example(std::string_view text, std::string_view place);
 
 /// Runs it up to its last moment. An error names every pin that shows something else.
-[[nodiscard]] Result<void> check_example(const Example& example, const Library& library, std::string_view place);
+/// @param resources that its LSIs ask for; null: none
+[[nodiscard]] Result<void> check_example(const Example& example, const Library& library, std::string_view place,
+                                         const Resources* resources = nullptr);
 
 }  // namespace ugoki::circuit

@@ -44,5 +44,9 @@ void add_dynamics(circuit::Library& library);
 void add_status(circuit::Library& library);
 void add_naturalness(circuit::Library& library);
 void add_display(circuit::Library& library);
+void add_maths(circuit::Library& library);
+void add_rotations_and_poses(circuit::Library& library);
+void add_mechanics(circuit::Library& library);
+void add_distance(circuit::Library& library);
 
 }  // namespace ugoki::lsi

@@ -21,6 +21,10 @@ const circuit::Library& standard_library() {
     add_intermediate_motion(all);
     add_naturalness(all);
     add_display(all);
+    add_maths(all);
+    add_rotations_and_poses(all);
+    add_mechanics(all);
+    add_distance(all);
     return all;
   }();
   return library;

@@ -1,0 +1,199 @@
+// What a link system's state says: coordinates, poses of links, centre of mass, energy, inverse and forward dynamics.
+
+#include "ugoki/dynamics/centroidal.h"
+#include "ugoki/dynamics/dynamics.h"
+#include "ugoki/lsi/declare.h"
+#include "ugoki/mechanism/state.h"
+
+namespace ugoki::lsi {
+namespace {
+
+using circuit::input;
+using circuit::output;
+
+/// Of the LSIs here: whom it is about, and room to compute in.
+struct Body {
+  const Character* character;
+  const World* world;
+  dynamics::Workspace workspace;
+  std::vector<double> zero;  // [nv]
+  int link = 0;
+
+  [[nodiscard]] const Mechanism& mechanism() const { return *character->mechanism; }
+  void move_to(const double* state) {
+    dynamics::update_kinematics(mechanism(), q_of(*character, state), v_of(*character, state), workspace);
+  }
+};
+
+void* make_body(Setup& s) {
+  const Character* character = character_of(s);
+  const World* world = world_of(s);
+  if (!character || !world) return nullptr;
+  auto* body = new Body{character, world, dynamics::Workspace(*character->mechanism), {}, 0};
+  body->zero.assign(static_cast<std::size_t>(character->mechanism->nv()), 0.0);
+  return body;
+}
+
+void put(const Vec3& v, double* to) {
+  to[0] = v.x;
+  to[1] = v.y;
+  to[2] = v.z;
+}
+
+circuit::LsiClass about_character(std::string name, std::string doc, std::vector<circuit::InputPin> more,
+                                  std::vector<circuit::OutputPin> outputs, circuit::StepFunction step) {
+  circuit::LsiClass c;
+  c.group = "mechanics";
+  c.name = std::move(name);
+  c.doc = std::move(doc);
+  c.inputs = {input_pin("state", PinTypeId::state, "", "Positions and velocities.")};
+  c.inputs.insert(c.inputs.end(), more.begin(), more.end());
+  c.outputs = std::move(outputs);
+  c.parameters = {character_parameter()};
+  c.make = make_body;
+  c.destroy = destroy<Body>;
+  c.step = step;
+  c.configure = [](Setup& s) { (void)character_of(s); };
+  return c;
+}
+
+std::int32_t coordinates(const Call* call) {
+  const Character& who = *object_of<Body>(call).character;
+  const auto q = q_of(who, input(call, 0)), v = v_of(who, input(call, 0));
+  std::copy(q.begin(), q.end(), output(call, 0));
+  std::copy(v.begin(), v.end(), output(call, 1));
+  return 0;
+}
+
+std::int32_t centre_of_mass(const Call* call) {
+  Body& body = object_of<Body>(call);
+  body.move_to(input(call, 0));
+  const dynamics::Centroidal c = dynamics::calc_centroidal(body.mechanism(), body.workspace);
+  put(c.centre, output(call, 0));
+  put(c.velocity, output(call, 1));
+  put(c.momentum.w, output(call, 2));
+  *output(call, 3) = c.mass;
+  return 0;
+}
+
+std::int32_t energy(const Call* call) {
+  Body& body = object_of<Body>(call);
+  body.move_to(input(call, 0));
+  *output(call, 0) = dynamics::kinetic_energy(body.mechanism(), body.workspace);
+  *output(call, 1) = dynamics::potential_energy(body.mechanism(), body.workspace, body.world->gravity());
+  return 0;
+}
+
+std::int32_t link_pose(const Call* call) {
+  Body& body = object_of<Body>(call);
+  body.move_to(input(call, 0));
+  const Pose& X = body.workspace.X_WB[static_cast<std::size_t>(body.link)];
+  const Quat r = to_quat(X.R);
+  put(X.p, output(call, 0));
+  const double turn[] = {r.w, r.x, r.y, r.z};
+  std::copy(turn, turn + 4, output(call, 0) + 3);
+  put(dynamics::point_velocity(body.workspace, body.link, X.p), output(call, 1));
+  return 0;
+}
+
+/// Numbers of a joint-values input that may have no wire.
+std::span<const double> freedoms_in(const Call* call, std::size_t pin, const Body& body) {
+  return {call->in[pin] ? input(call, pin) : body.zero.data(), body.zero.size()};
+}
+
+std::int32_t inverse_dynamics(const Call* call) {
+  Body& body = object_of<Body>(call);
+  const Character& who = *body.character;
+  dynamics::calc_inverse_dynamics(body.mechanism(), body.workspace, q_of(who, input(call, 0)), v_of(who, input(call, 0)),
+                                  freedoms_in(call, 1, body), body.world->gravity(), {}, {output(call, 0), body.zero.size()});
+  return 0;
+}
+
+std::int32_t forward_dynamics(const Call* call) {
+  Body& body = object_of<Body>(call);
+  const Character& who = *body.character;
+  const bool good =
+      dynamics::calc_forward_dynamics(body.mechanism(), body.workspace, q_of(who, input(call, 0)), v_of(who, input(call, 0)),
+                                      freedoms_in(call, 1, body), body.world->gravity(), {}, {output(call, 0), body.zero.size()});
+  return good ? 0 : circuit::stop(call, "Nothing resists motion at a joint: its inertia is not positive.");
+}
+
+/// Sizes of an optional input and an output of as many numbers as the character has freedoms.
+void configure_freedoms(Setup& s) {
+  const Character* who = character_of(s);
+  if (!who) return;
+  const auto nv = static_cast<std::uint32_t>(who->mechanism->nv());
+  check_subject(s, 1, s.lsi_class().inputs[1].name, *who);
+  if (s.in(1).count != 0 && s.in(1).count != nv)
+    s.fail(ErrorCode::structure,
+           "'" + who->id + "' has " + std::to_string(nv) + " freedoms; what is wired has " + std::to_string(s.in(1).count) + " numbers.",
+           "Wire joint values of the same character.");
+  if (who->mechanism->has_loops())
+    s.fail(ErrorCode::unsupported, "'" + who->id + "' has closed loops, whose forces are not unique functions of the state here.",
+           "Use the LSI 'dynamics', which keeps loops closed.");
+  s.set_out(0, World::payload_count(nv), who->index);
+}
+
+circuit::LsiClass with_link(circuit::LsiClass c) {
+  circuit::Parameter link;
+  link.name = "link";
+  link.kind = circuit::ParameterKind::text;
+  link.initial = std::string();
+  link.doc = "Name of the link; empty: the root.";
+  link.live = false;
+  c.parameters.push_back(std::move(link));
+  c.configure = [](Setup& s) {
+    const Character* who = character_of(s);
+    if (who && !s.text("link").empty() && who->mechanism->find_link(s.text("link")) < 0)
+      s.fail(ErrorCode::unknown, "'" + who->id + "' has no link '" + s.text("link") + "'.", "Give the name of one of its links.");
+  };
+  c.make = [](Setup& s) -> void* {
+    auto* body = static_cast<Body*>(make_body(s));
+    if (body && !s.text("link").empty()) body->link = body->mechanism().find_link(s.text("link"));
+    return body;
+  };
+  return c;
+}
+
+}  // namespace
+
+void add_mechanics(circuit::Library& library) {
+  circuit::LsiClass c =
+      about_character("coordinates", "The joint values of one character.", {},
+                      {output_pin("q", PinTypeId::joint_values, "m | rad", "Coordinates; unit quaternions where joints have them."),
+                       output_pin("v", PinTypeId::joint_values, "m/s | rad/s", "Velocities of its freedoms.")},
+                      coordinates);
+  c.configure = [](Setup& s) {
+    const Character* who = character_of(s);
+    if (!who) return;
+    s.set_out(0, World::payload_count(static_cast<std::size_t>(who->mechanism->nq())), who->index);
+    s.set_out(1, World::payload_count(static_cast<std::size_t>(who->mechanism->nv())), who->index);
+  };
+  library.add(std::move(c));
+  library.add(about_character(
+      "centre of mass", "Of one character: where it is, how it moves, and what turns about it.", {},
+      {output_pin("position", PinTypeId::vector, "m", ""), output_pin("velocity", PinTypeId::vector, "m/s", ""),
+       output_pin("angular momentum", PinTypeId::vector, "N m s", "About the centre."), output_pin("mass", PinTypeId::scalar, "kg", "")},
+      centre_of_mass));
+  library.add(about_character("energy", "Of one character.", {},
+                              {output_pin("kinetic", PinTypeId::scalar, "J", ""),
+                               output_pin("potential", PinTypeId::scalar, "J", "In the world's gravity, zero at the origin.")},
+                              energy));
+  library.add(with_link(
+      about_character("link pose", "Where a link is, and how fast its origin moves.", {},
+                      {output_pin("pose", PinTypeId::pose, "m", ""), output_pin("velocity", PinTypeId::vector, "m/s", "")}, link_pose)));
+  for (const bool inverse : {true, false}) {
+    circuit::InputPin in = inverse ? input_pin("acceleration", PinTypeId::joint_values, "m/s^2 | rad/s^2", "Without wire: none.")
+                                   : input_pin("torque", PinTypeId::joint_values, "N | N m", "Without wire: none.");
+    in.required = false;
+    circuit::LsiClass d =
+        inverse ? about_character("inverse dynamics", "The joint forces that give this acceleration, gravity included; without contacts.",
+                                  {in}, {output_pin("torque", PinTypeId::joint_values, "N | N m", "")}, inverse_dynamics)
+                : about_character("forward dynamics", "The acceleration that these joint forces give, gravity included; without contacts.",
+                                  {in}, {output_pin("acceleration", PinTypeId::joint_values, "m/s^2 | rad/s^2", "")}, forward_dynamics);
+    d.configure = configure_freedoms;
+    library.add(std::move(d));
+  }
+}
+
+}  // namespace ugoki::lsi
