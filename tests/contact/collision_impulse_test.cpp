@@ -159,6 +159,28 @@ TEST(CollisionImpulse, NewtonsCradleOfFive) {
   }
 }
 
+/// Balls of one mass in a row, several pairs approaching at once: one collision after the other only ever exchanges two velocities, so
+/// that at the end they are sorted. All collisions at once would give velocities that nobody had before.
+TEST(CollisionImpulse, TouchingBallsOfOneMassSortTheirVelocities) {
+  RandomSource random(3);
+  const MechanismPtr ball = body("ball", Shape::sphere(0.1), 1000);
+  for (int round = 0; round < 50; ++round) {
+    Party party;
+    std::vector<ContactPoint> contacts;
+    std::vector<double> speeds;
+    for (int i = 0; i < 5; ++i) {
+      party.add(ball, State(*ball));
+      speeds.push_back(round == 0 ? 3 - i : random.uniform(-2, 2));
+      party.states.back().q[0] = 0.2 * i;
+      party.states.back().v[3] = speeds.back();
+      if (i > 0) contacts.push_back(between(i, 0, i - 1, 0, {0.2 * i - 0.1, 0, 0}, {1, 0, 0}, 1));
+    }
+    EXPECT_EQ(party.collide(contacts).status, ImpactStatus::ok);
+    std::ranges::sort(speeds);
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(party.states[i].v[3], speeds[i], 1e-12) << "round " << round << " ball " << i;
+  }
+}
+
 TEST(CollisionImpulse, ABoxThatLandsFlatRisesFlatHoweverManyCornersItHas) {
   Party party;
   const MechanismPtr box = body("box", Shape::box({0.2, 0.1, 0.05}), 500);

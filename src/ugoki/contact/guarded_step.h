@@ -31,6 +31,9 @@ class GuardedStep {
   /// No allocation after warm-up, unless the number of contacts grows.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
 
+  /// As if nothing had been looked at before; keeps its memory. See collision::Workspace::forget().
+  void forget() { workspace_.forget(); }
+
   /// The contacts of the last step: those given to it, then those found at its end. The stepper's forces are theirs.
   [[nodiscard]] std::span<const collision::ContactPoint> contacts() const { return contacts_; }
   [[nodiscard]] int passes() const { return passes_; }  ///< times that the last step was taken
