@@ -1,0 +1,501 @@
+// `ugoki motion`: operations on motions.
+
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "motion_files.h"
+#include "output.h"
+#include "ugoki/base/number.h"
+#include "ugoki/capture/force_plates.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/c3d.h"
+#include "ugoki/motion_edit/curves.h"
+#include "ugoki/motion_edit/edit.h"
+#include "ugoki/motion_edit/intermediate.h"
+#include "ugoki/motion_edit/layers.h"
+#include "ugoki/motion_edit/mirror.h"
+#include "ugoki/motion_edit/root_path.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+using namespace motion_edit;
+
+/// What all operations share.
+struct Common {
+  std::vector<std::string> inputs;
+  std::string out;
+  SourceOptions source;
+  std::vector<std::string> feet;
+  double ground = 0;
+  bool find_ground = false, json = false;
+
+  [[nodiscard]] FootContactOptions contacts() const {
+    FootContactOptions o;
+    o.ground = ground;
+    o.find_ground = find_ground;
+    return o;
+  }
+};
+using CommonPtr = std::shared_ptr<Common>;
+
+Result<std::vector<FootLimb>> feet_of(const Mechanism& m, const Common& c) {
+  return c.feet.empty() ? Result<std::vector<FootLimb>>(find_foot_limbs(m)) : find_foot_limbs(m, c.feet);
+}
+
+/// What a motion is, in numbers; what it is written to is told too.
+Result<Json> describe(const MotionSet& set, const Motion& motion, const Common& c, const std::string& out) {
+  const Mechanism& m = *set.mechanism;
+  Json json = {{"name", motion.name},
+               {"frames", motion.frames},
+               {"rate", motion.rate},
+               {"duration_s", motion.duration()},
+               {"cyclic", motion.cyclic}};
+  const Result<std::vector<FootLimb>> feet = feet_of(m, c);
+  if (!feet) return fail(feet.error());
+  if (!feet->empty()) {
+    const SkateReport skate = measure_skate(m, motion, labelled_contacts(m, motion, *feet, c.contacts()));
+    json["stances"] = skate.stances;
+    json["foot_skate_mean_cm"] = skate.mean_cm;
+    json["foot_skate_worst_cm"] = skate.worst_cm;
+  }
+  if (motion.frames > 1) {
+    const Placement way = cycle_of(motion, m);
+    json["way_m"] = std::sqrt(way.x * way.x + way.y * way.y);
+    json["speed_m_s"] = json["way_m"].get<double>() / motion.duration();
+  }
+  if (!out.empty()) {
+    const Result<std::string> put = put_motion(m, motion, set.height, out, c.source);
+    if (!put) return fail(put.error());
+    json["out"] = out;
+    json["written"] = *put;
+  }
+  return json;
+}
+
+void tell(const Json& row) {
+  std::string line = row["name"].get<std::string>() + ": " + std::to_string(row["frames"].get<int>()) + " frames, " +
+                     to_fixed(row["duration_s"].get<double>(), 3) + " s" + (row["cyclic"].get<bool>() ? ", cyclic" : "");
+  if (row.contains("speed_m_s")) line += ", " + to_fixed(row["speed_m_s"].get<double>(), 3) + " m/s";
+  if (row.contains("foot_skate_worst_cm"))
+    line += ", feet slide " + to_fixed(row["foot_skate_mean_cm"].get<double>(), 2) + " cm a stance, " +
+            to_fixed(row["foot_skate_worst_cm"].get<double>(), 2) + " at worst";
+  print_line(line);
+  if (row.contains("written")) print_line(row["written"].get<std::string>());
+}
+
+int finish(const MotionSet& set, const Motion& motion, const Common& c, Json more = Json::object()) {
+  Result<Json> row = describe(set, motion, c, c.out);
+  if (!row) return print_error(row.error(), c.json);
+  row->update(more);
+  (*row)["report"] = set.report;
+  if (c.json) {
+    print_json(*row);
+  } else {
+    tell(*row);
+    for (const std::string& line : set.report) print_line(line);
+  }
+  return 0;
+}
+
+Json to_json(const FootLockReport& r) {
+  return {{"foot_skate_before_cm", r.before.worst_cm}, {"foot_skate_after_cm", r.after.worst_cm}, {"pelvis_lowered_m", r.greatest_drop},
+          {"foot_moved_m", r.greatest_move},           {"foot_missed_m", r.greatest_miss},        {"missed_at", r.miss_link}};
+}
+
+CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const CommonPtr& c, int least, int most) {
+  CLI::App* part = verb.add_subcommand(name, what);
+  part->add_option("input", c->inputs,
+                   most > 1 ? "Motions: BVH, AMC, C3D, TRC, glTF files or names in the library"
+                            : "A BVH, AMC, C3D, TRC or glTF file or a motion of the library")
+      ->required()
+      ->expected(least, most);
+  part->add_option("--asf", c->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  part->add_option("--height", c->source.intake.height, "Height of the person in m (otherwise estimated)")->check(CLI::Range(0.1, 30.0));
+  part->add_option("--mass", c->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
+  part->add_option("--library", c->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  part->add_option("--feet", c->feet, "Links that stand on the ground (otherwise found)")->delimiter(',');
+  part->add_option("--ground", c->ground, "Height of the ground, m");
+  part->add_flag("--find-ground", c->find_ground, "The ground is where the feet stand in the motion");
+  part->add_flag("--json", c->json, "Print one JSON object");
+  return part;
+}
+void add_out(CLI::App* part, const CommonPtr& c) {
+  part->add_option("-o,--out", c->out, "Where the motion goes: a .bvh or .glb file, or a name without point for the library");
+}
+
+/// An operation on one motion.
+using Operation = std::function<Result<Motion>(const Mechanism&, const Motion&, Json& report)>;
+void run_by(CLI::App* part, Action& action, const CommonPtr& c, Operation operation) {
+  add_out(part, c);
+  part->callback([c, operation = std::move(operation), &action] {
+    action = [c, operation] {
+      const Result<MotionSet> set = load_motions(c->inputs, c->source);
+      if (!set) return print_error(set.error(), c->json);
+      Json more = Json::object();
+      const Result<Motion> made = operation(*set->mechanism, set->motions[0], more);
+      return made ? finish(*set, *made, *c, more) : print_error(made.error(), c->json);
+    };
+  });
+}
+/// An operation on two motions.
+using Pair = std::function<Result<Motion>(const Mechanism&, const Motion&, const Motion&)>;
+void run_by_pair(CLI::App* part, Action& action, const CommonPtr& c, Pair operation) {
+  add_out(part, c);
+  part->callback([c, operation = std::move(operation), &action] {
+    action = [c, operation] {
+      const Result<MotionSet> set = load_motions(c->inputs, c->source);
+      if (!set) return print_error(set.error(), c->json);
+      const Result<Motion> made = operation(*set->mechanism, set->motions[0], set->motions[1]);
+      return made ? finish(*set, *made, *c) : print_error(made.error(), c->json);
+    };
+  });
+}
+
+int frame_at(const Motion& m, double seconds) { return static_cast<int>(std::lround(seconds * m.rate)); }
+
+void add_trim(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "trim", "The part between two times.", c, 1, 1);
+  const auto from = std::make_shared<double>(0), to = std::make_shared<double>(-1);
+  part->add_option("--from", *from, "s")->check(CLI::NonNegativeNumber);
+  part->add_option("--to", *to, "s (otherwise the end)");
+  run_by(part, action, c, [from, to](const Mechanism&, const Motion& m, Json&) {
+    return trim(m, frame_at(m, *from), *to < 0 ? m.frames - 1 : frame_at(m, *to));
+  });
+}
+
+void add_simple(CLI::App& verb, Action& action) {
+  const auto backwards = std::make_shared<Common>(), image = std::make_shared<Common>(), other = std::make_shared<Common>();
+  run_by(add_operation(verb, "reverse", "The motion backwards.", backwards, 1, 1), action, backwards,
+         [](const Mechanism&, const Motion& m, Json&) { return Result<Motion>(reverse(m)); });
+  run_by(add_operation(verb, "mirror", "Left and right exchanged.", image, 1, 1), action, image,
+         [](const Mechanism& mechanism, const Motion& m, Json&) { return mirror(mechanism, m); });
+  CLI::App* part = add_operation(verb, "resample", "Another frame rate.", other, 1, 1);
+  const auto rate = std::make_shared<double>(0);
+  part->add_option("--rate", *rate, "Frames a second")->required();
+  run_by(part, action, other, [rate](const Mechanism& mechanism, const Motion& m, Json&) { return resample(mechanism, m, *rate); });
+}
+
+void add_scale(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "scale", "Longer or shorter ways, slower or faster.", c, 1, 1);
+  const auto o = std::make_shared<ScaleOptions>();
+  part->add_option("--length", o->length, "Factor of the root's way and of sliding joints")->capture_default_str();
+  part->add_option("--time", o->time, "Factor of the duration")->capture_default_str();
+  part->add_flag("--froude", o->froude, "Time goes with the square root of length");
+  run_by(part, action, c, [o](const Mechanism& mechanism, const Motion& m, Json&) { return scale(mechanism, m, *o); });
+}
+
+void add_warp(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "warp", "Faster here, slower there: along a monotone curve of time.", c, 1, 1);
+  const auto points = std::make_shared<std::vector<std::pair<double, double>>>();
+  part->add_option("--point", *points, "New time and the time of the motion it shows, s; two or more")->required();
+  run_by(part, action, c, [points](const Mechanism& mechanism, const Motion& m, Json&) {
+    std::vector<TimePoint> curve;
+    for (const auto& [time, source] : *points) curve.push_back({time, source});
+    return time_warp(mechanism, m, curve);
+  });
+  part->footer("Example:\n  ugoki motion warp walk.bvh --point 0 0 --point 1 0.5 --point 2 2 -o slow-start.bvh");
+}
+
+void add_join(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "join", "One motion after the other.", c, 2, 2);
+  const auto o = std::make_shared<JoinOptions>();
+  const auto stay = std::make_shared<bool>(false);
+  part->add_option("--blend", o->blend, "s in which the first goes over into the second")->capture_default_str();
+  part->add_flag("--where-it-is", *stay, "The second stays where it was recorded");
+  run_by_pair(part, action, c, [o, stay](const Mechanism& mechanism, const Motion& a, const Motion& b) {
+    JoinOptions options = *o;
+    options.where_it_ends = !*stay;
+    return join(mechanism, a, b, options);
+  });
+}
+
+struct Layer {
+  std::vector<std::string> mask;
+  LayerOptions options;
+};
+/// "arm:0.5" -> link and weight; the last colon counts, and only before a number.
+std::vector<MaskEntry> entries_of(const std::vector<std::string>& mask) {
+  std::vector<MaskEntry> out;
+  for (const std::string& text : mask) {
+    const auto colon = text.rfind(':');
+    const std::optional<double> weight = colon == std::string::npos ? std::nullopt : parse_double(std::string_view(text).substr(colon + 1));
+    out.push_back({weight ? text.substr(0, colon) : text, weight.value_or(1), true});
+  }
+  return out;
+}
+
+void add_layers(CLI::App& verb, Action& action) {
+  for (const bool additive : {false, true}) {
+    const auto c = std::make_shared<Common>();
+    CLI::App* part = add_operation(verb, additive ? "layer" : "mix",
+                                   additive ? "What the second motion does against its first frame, on top of the first motion."
+                                            : "Joints of the second motion in the first one.",
+                                   c, 2, 2);
+    const auto layer = std::make_shared<Layer>();
+    part->add_option("--joints", layer->mask, "Links (names or labels) with all behind them, each with :WEIGHT if not 1; otherwise all")
+        ->delimiter(',');
+    part->add_option("--weight", layer->options.weight, "Of the whole layer")->capture_default_str();
+    part->add_option("--at", layer->options.offset, "s at which the second motion begins")->capture_default_str();
+    part->add_option("--fade", layer->options.fade, "s in which it sets in and ends")->capture_default_str();
+    run_by_pair(part, action, c, [layer, additive](const Mechanism& mechanism, const Motion& a, const Motion& b) -> Result<Motion> {
+      const Result<JointMask> mask = make_mask(mechanism, entries_of(layer->mask));
+      if (!mask) return fail(mask.error());
+      return additive ? add_layer(mechanism, a, b, *mask, layer->options) : mix_joints(mechanism, a, b, *mask, layer->options);
+    });
+  }
+}
+
+void add_contacts(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "contacts", "When each foot stands, and how far it slides.", c, 1, 1);
+  part->callback([c, &action] {
+    action = [c] {
+      const Result<MotionSet> set = load_motions(c->inputs, c->source);
+      if (!set) return print_error(set.error(), c->json);
+      const Mechanism& m = *set->mechanism;
+      const Motion& motion = set->motions[0];
+      Result<std::vector<FootLimb>> feet = feet_of(m, *c);
+      if (!feet) return print_error(feet.error(), c->json);
+      const FootContacts contacts = find_contacts(m, motion, *feet, c->contacts());
+      Json rows = Json::array();
+      std::vector<std::vector<std::string>> table = {{"foot", "from s", "to s", "frames"}};
+      for (std::size_t k = 0; k < contacts.feet.size(); ++k)
+        for (const Stance& s : contacts.stances(k)) {
+          const std::string& name = m.link(contacts.feet[k].link).name;
+          rows.push_back({{"foot", name}, {"first", s.first}, {"last", s.last}});
+          table.push_back(
+              {name, to_fixed(s.first / motion.rate, 3), to_fixed(s.last / motion.rate, 3), std::to_string(s.last - s.first + 1)});
+        }
+      const SkateReport skate = measure_skate(m, motion, contacts);
+      if (c->json) {
+        print_json({{"name", motion.name},
+                    {"ground_m", contacts.ground},
+                    {"contacts", rows},
+                    {"foot_skate_mean_cm", skate.mean_cm},
+                    {"foot_skate_worst_cm", skate.worst_cm}});
+        return 0;
+      }
+      print_table(table);
+      print_line("Feet slide " + to_fixed(skate.mean_cm, 2) + " cm a stance, " + to_fixed(skate.worst_cm, 2) + " cm at worst.");
+      return 0;
+    };
+  });
+}
+
+void add_lock(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "lock", "Standing feet stay where they are.", c, 1, 1);
+  const auto o = std::make_shared<FootLockOptions>();
+  part->add_option("--ease", o->ease, "s beside a stance in which the foot comes to rest and leaves")->capture_default_str();
+  part->add_option("--stretch", o->stretch, "Of a leg's length: it is not straightened beyond this")
+      ->capture_default_str()
+      ->check(CLI::Range(0.5, 1.0));
+  run_by(part, action, c, [c, o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
+    Result<std::vector<FootLimb>> feet = feet_of(m, *c);
+    if (!feet) return fail(feet.error());
+    FootLockReport report;
+    Result<Motion> locked = lock_feet(m, motion, find_contacts(m, motion, *feet, c->contacts()), *o, &report);
+    more = {{"lock", to_json(report)}};
+    return locked;
+  });
+}
+
+void add_cycle(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "cycle", "One cycle that repeats without a seam.", c, 1, 1);
+  const auto from = std::make_shared<double>(-1), to = std::make_shared<double>(-1);
+  const auto slide = std::make_shared<bool>(false);
+  part->add_option("--from", *from, "s; otherwise the best cycle is found");
+  part->add_option("--to", *to, "s");
+  part->add_flag("--no-lock", *slide, "Feet are left as they are");
+  run_by(part, action, c, [c, from, to, slide](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
+    CycleOptions o;
+    o.contacts = c->contacts();
+    o.lock_feet = !*slide;
+    if (*from >= 0 && *to >= 0) {
+      o.first = frame_at(motion, *from);
+      o.last = frame_at(motion, *to);
+    }
+    CycleReport r;
+    Result<Motion> cycle = make_cyclic(m, motion, o, &r);
+    more = {{"first", r.first}, {"last", r.last}, {"seam_rad", r.seam}, {"stride", r.by_contacts}, {"lock", to_json(r.feet)}};
+    return cycle;
+  });
+}
+
+struct BlendChoice {
+  std::vector<double> weights, shares;
+};
+
+/// "jog.bvh" for one motion, "jog-25.bvh" for one of several.
+std::string numbered(const std::string& out, double percent, bool several) {
+  if (!several || out.empty()) return out;
+  const std::filesystem::path path(out);
+  const std::string number = "-" + to_text(percent);
+  return (path.parent_path() / (path.stem().string() + number + path.extension().string())).string();
+}
+
+int run_blend(const Common& c, const BlendChoice& choice) {
+  const Result<MotionSet> set = load_motions(c.inputs, c.source);
+  if (!set) return print_error(set.error(), c.json);
+  IntermediateOptions options;
+  options.feet = c.feet;
+  options.cycle.contacts = c.contacts();
+  std::vector<const Motion*> sources;
+  for (const Motion& m : set->motions) sources.push_back(&m);
+  const Result<Intermediate> between = Intermediate::make(*set->mechanism, sources, options);
+  if (!between) return print_error(between.error(), c.json);
+  std::vector<std::pair<double, std::vector<double>>> wanted;
+  for (const double percent : choice.shares) wanted.push_back({percent, {1 - percent / 100, percent / 100}});
+  if (wanted.empty()) wanted.push_back({0, choice.weights.empty() ? std::vector<double>(sources.size(), 1.0) : choice.weights});
+  Json rows = Json::array();
+  for (const auto& [percent, weights] : wanted) {
+    FootLockReport lock;
+    const Result<Motion> motion = between->blend(weights, &lock);
+    if (!motion) return print_error(motion.error(), c.json);
+    Result<Json> row = describe(*set, *motion, c, numbered(c.out, percent, wanted.size() > 1));
+    if (!row) return print_error(row.error(), c.json);
+    (*row)["weights"] = weights;
+    (*row)["speed_m_s"] = between->facts(*motion).speed;
+    (*row)["lock"] = to_json(lock);
+    rows.push_back(std::move(*row));
+  }
+  Json cycles = Json::array();
+  for (int i = 0; i < between->count(); ++i)
+    cycles.push_back({{"name", set->motions[static_cast<std::size_t>(i)].name},
+                      {"first", between->cycle_report(i).first},
+                      {"last", between->cycle_report(i).last}});
+  if (c.json) {
+    print_json({{"motions", rows}, {"cycles", cycles}, {"by_contacts", between->by_contacts()}, {"report", set->report}});
+    return 0;
+  }
+  for (const Json& row : rows) tell(row);
+  for (const std::string& line : set->report) print_line(line);
+  return 0;
+}
+
+void add_blend(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "blend", "Intermediate motion: a cyclic motion between two or more.", c, 1, 16);
+  add_out(part, c);
+  const auto choice = std::make_shared<BlendChoice>();
+  CLI::Option* weights =
+      part->add_option("--weights", choice->weights, "How much each motion counts, separated by commas (otherwise all alike)")
+          ->delimiter(',');
+  part->add_option("--at", choice->shares, "Percent of the second of two motions; several give several motions")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 100.0))
+      ->excludes(weights);
+  part->callback([c, choice, &action] {
+    if (!choice->shares.empty() && c->inputs.size() != 2) throw CLI::ValidationError("--at", "needs two motions; use --weights.");
+    action = [c, choice] { return run_blend(*c, *choice); };
+  });
+  part->footer(
+      "Example:\n  ugoki motion blend walk.bvh run.bvh --at 50 -o jog.bvh\n  ugoki motion blend walk run --at 0,25,50,75,100 -o gait.bvh");
+}
+
+void add_path(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "path", "The way over the ground, bent along a curve.", c, 1, 1);
+  const auto points = std::make_shared<std::vector<std::pair<double, double>>>();
+  const auto stretch = std::make_shared<bool>(false);
+  part->add_option("--point", *points, "x and y in m; two or more")->required();
+  part->add_flag("--stretch", *stretch, "The way is made as long as the curve (otherwise steps stay as they are)");
+  run_by(part, action, c, [c, points, stretch](const Mechanism& m, const Motion& motion, Json& more) {
+    std::vector<PathPoint> curve;
+    for (const auto& [x, y] : *points) curve.push_back({x, y});
+    RootPathOptions o;
+    o.keep_speed = !*stretch;
+    o.contacts = c->contacts();
+    FootLockReport r;
+    Result<Motion> bent = bend_path(m, motion, curve, o, &r);
+    more = {{"lock", to_json(r)}};
+    return bent;
+  });
+}
+
+void add_reduce(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "reduce", "As few keys as a bound allows.", c, 1, 1);
+  const auto o = std::make_shared<ReduceOptions>();
+  part->add_option("--degrees", o->degrees, "No joint is turned farther from where it was")->capture_default_str();
+  part->add_option("--metres", o->metres, "Nothing slides farther from where it was")->capture_default_str();
+  run_by(part, action, c, [o](const Mechanism& m, const Motion& motion, Json& more) -> Result<Motion> {
+    const Result<MotionCurves> curves = reduce_keys(m, motion, *o);
+    if (!curves) return fail(curves.error());
+    more = {{"keys", curves->key_count()}, {"keys_before", static_cast<int>(curves->curves.size()) * motion.frames}};
+    return to_motion(m, *curves);
+  });
+}
+
+void add_forces(CLI::App& verb, Action& action) {
+  const auto c = std::make_shared<Common>();
+  CLI::App* part = add_operation(verb, "forces", "Contact forces from the force plates of a C3D file.", c, 1, 1);
+  const auto o = std::make_shared<capture::ForcePlateOptions>();
+  part->add_option("--cutoff", o->cutoff, "Hz of the filter; 0: none")->capture_default_str();
+  part->add_option("--threshold", o->threshold, "N: less is nothing")->capture_default_str();
+  part->callback([c, o, &action] {
+    action = [c, o] {
+      const Result<std::string> bytes = files::read_file(c->inputs[0]);
+      if (!bytes) return print_error(bytes.error(), c->json);
+      const Result<MarkerMotion> markers =
+          formats::read_c3d({reinterpret_cast<const std::byte*>(bytes->data()), bytes->size()}, c->inputs[0]);
+      if (!markers) return print_error(markers.error(), c->json);
+      const Result<capture::ForceRecording> forces = capture::calc_contact_forces(*markers, *o);
+      if (!forces) return print_error(forces.error(), c->json);
+      Json rows = Json::array();
+      std::vector<std::vector<std::string>> table = {{"plate", "from s", "to s", "most N", "impulse N s"}};
+      for (const capture::PlateStep& s : capture::find_plate_steps(*markers, *forces, {})) {
+        const auto& row = forces->plates[static_cast<std::size_t>(s.plate)];
+        double most = 0, impulse = 0;
+        Json samples = Json::array();
+        for (int f = s.first; f <= s.last; ++f) {
+          const capture::PlateForce& p = row[static_cast<std::size_t>(f)];
+          most = std::max(most, p.force.z);
+          impulse += p.force.z / markers->rate;
+          samples.push_back({p.force.x, p.force.y, p.force.z, p.centre.x, p.centre.y, p.centre.z, p.free_moment});
+        }
+        rows.push_back({{"plate", s.plate + 1}, {"first", s.first}, {"last", s.last}, {"force_centre_moment", samples}});
+        table.push_back({std::to_string(s.plate + 1), to_fixed(s.first / markers->rate, 3), to_fixed(s.last / markers->rate, 3),
+                         to_fixed(most, 1), to_fixed(impulse, 2)});
+      }
+      if (c->json) {
+        print_json({{"rate", markers->rate}, {"steps", rows}, {"report", forces->report}});
+        return 0;
+      }
+      print_table(table);
+      for (const std::string& line : forces->report) print_line(line);
+      return 0;
+    };
+  });
+}
+
+}  // namespace
+
+void add_motion_verb(CLI::App& app, Action& action) {
+  CLI::App* verb = app.add_subcommand("motion", "Operations on motions: blend, cycle, lock, trim, join, mirror, ...");
+  verb->require_subcommand(1);
+  add_blend(*verb, action);
+  add_contacts(*verb, action);
+  add_cycle(*verb, action);
+  add_forces(*verb, action);
+  add_join(*verb, action);
+  add_layers(*verb, action);
+  add_lock(*verb, action);
+  add_path(*verb, action);
+  add_reduce(*verb, action);
+  add_scale(*verb, action);
+  add_simple(*verb, action);
+  add_trim(*verb, action);
+  add_warp(*verb, action);
+  verb->footer("Example:\n  ugoki motion blend walk.bvh run.bvh --at 50 -o jog.bvh\n  ugoki motion lock jump.bvh -o still-feet.bvh");
+}
+
+}  // namespace ugoki::cli

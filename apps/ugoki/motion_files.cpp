@@ -1,0 +1,175 @@
+#include "motion_files.h"
+
+#include <algorithm>
+
+#include "output.h"
+#include "ugoki/base/number.h"
+#include "ugoki/body/body.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/bvh.h"
+#include "ugoki/formats/gltf.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/motion_edit/to_measured.h"
+#include "ugoki/retarget/retarget.h"
+
+namespace ugoki::cli {
+namespace {
+
+bool same_mechanism(const Mechanism& a, const Mechanism& b) {
+  if (&a == &b) return true;
+  if (a.nq() != b.nq() || a.link_count() != b.link_count()) return false;
+  for (int i = 0; i < a.link_count(); ++i) {
+    const Link &l = a.link(i), &k = b.link(i);
+    const Joint &p = l.joint, &q = k.joint;
+    if (l.name != k.name || l.parent != k.parent || p.type != q.type || norm(p.X_PJ.p - q.X_PJ.p) > 1e-6 || norm(p.axis - q.axis) > 1e-6)
+      return false;
+  }
+  return true;
+}
+
+bool same_skeleton(const Skeleton& a, const Skeleton& b) {
+  if (a.joints.size() != b.joints.size()) return false;
+  for (std::size_t i = 0; i < a.joints.size(); ++i)
+    if (a.joints[i].name != b.joints[i].name || a.joints[i].parent != b.joints[i].parent ||
+        norm(a.joints[i].offset - b.joints[i].offset) > 1e-6)
+      return false;
+  return true;
+}
+
+struct Loaded {
+  std::optional<MeasuredMotion> measured;
+  ClipSource clip;
+};
+
+Result<Loaded> load_one(const std::string& target, const SourceOptions& options) {
+  const Result<TargetKind> kind = kind_of(target);
+  if (!kind) return fail(kind.error());
+  if (*kind != TargetKind::measured_file) {
+    Result<ClipSource> clip = load_clip(target, options);
+    if (!clip) return fail(std::move(clip.error()));
+    return Loaded{std::nullopt, std::move(*clip)};
+  }
+  Result<intake::Intake> taken = take_in_file(target, options);
+  if (!taken) return fail(std::move(taken.error()));
+  if (!taken->motion) return fail(ErrorCode::structure, target, "It holds a mechanism without motion.", "Give a file with a motion.");
+  Loaded out{std::move(taken->measured), {}};
+  out.clip = {taken->motion->name, taken->mechanism, std::make_shared<const Motion>(std::move(*taken->motion)),
+              taken->body ? taken->body->height : 0};
+  return out;
+}
+
+/// A body that can do what all trials of its skeleton do. Trials of other skeletons are not its concern.
+Result<body::Body> common_body(const std::vector<Loaded>& all, const SourceOptions& options) {
+  MeasuredMotion whole = *all[0].measured;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (!all[i].measured || !same_skeleton(all[i].measured->skeleton, whole.skeleton)) continue;
+    const MeasuredMotion& m = *all[i].measured;
+    whole.frames += m.frames;
+    whole.translations.insert(whole.translations.end(), m.translations.begin(), m.translations.end());
+    whole.rotations.insert(whole.rotations.end(), m.rotations.begin(), m.rotations.end());
+  }
+  body::BodyOptions body_options;
+  body_options.height = options.intake.height;
+  body_options.mass = options.intake.mass;
+  return body::make_body(whole, body_options);
+}
+
+}  // namespace
+
+Result<MotionSet> load_motions(const std::vector<std::string>& targets, const SourceOptions& options) {
+  std::vector<Loaded> all;
+  Error errors;
+  for (const std::string& target : targets) {
+    Result<Loaded> one = load_one(target, options);
+    if (one)
+      all.push_back(std::move(*one));
+    else
+      errors.problems.insert(errors.problems.end(), one.error().problems.begin(), one.error().problems.end());
+  }
+  if (!errors.empty()) return fail(std::move(errors));
+  MotionSet out{all[0].clip.mechanism, {*all[0].clip.motion}, all[0].clip.height, {}};
+  if (all.size() == 1) return out;
+  std::optional<body::Body> body;
+  if (all[0].measured) {
+    Result<body::Body> made = common_body(all, options);
+    if (!made) return fail(std::move(made.error()));
+    body = std::move(*made);
+    out.mechanism = body->mechanism;
+    out.motions[0] = body::to_motion(*body, *all[0].measured);
+    out.motions[0].name = all[0].clip.name;
+    out.motions[0].source = all[0].clip.motion->source;
+  }
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    const ClipSource& clip = all[i].clip;
+    if (body && all[i].measured && same_skeleton(all[i].measured->skeleton, all[0].measured->skeleton)) {
+      out.motions.push_back(body::to_motion(*body, *all[i].measured));
+    } else if (same_mechanism(*clip.mechanism, *out.mechanism)) {
+      out.motions.push_back(*clip.motion);
+    } else {
+      Result<retarget::Retargeted> moved = retarget::retarget(clip.mechanism, *clip.motion, out.mechanism);
+      if (!moved) return fail(std::move(moved.error()));
+      out.motions.push_back(std::move(moved->motion));
+      out.report.push_back(clip.name + " was made for another body; it is retargeted to that of " + all[0].clip.name + ", lengths times " +
+                           to_fixed(moved->report.scale, 3) + ".");
+    }
+    out.motions.back().name = clip.name;
+    out.motions.back().source = clip.motion->source;
+  }
+  return out;
+}
+
+Result<std::string> put_motion(const Mechanism& mechanism, const Motion& motion, double height, const std::string& out,
+                               const SourceOptions& options) {
+  if (out.ends_with(".bvh")) {
+    if (Result<void> written = files::write_file(out, formats::write_bvh(motion_edit::to_measured(mechanism, motion))); !written)
+      return fail(std::move(written.error()));
+    return "Written to " + out + ".";
+  }
+  if (out.ends_with(".glb")) {
+    const std::vector<std::byte> bytes = formats::write_glb(motion_edit::to_measured(mechanism, motion));
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (Result<void> written = files::write_file(out, std::string(text)); !written) return fail(std::move(written.error()));
+    return "Written to " + out + ".";
+  }
+  if (out.find('.') != std::string::npos || out.find('/') != std::string::npos)
+    return fail(ErrorCode::unsupported, out, "Motions are not written to this kind of file.",
+                "Give a .bvh or .glb file, or a name without point for the library.");
+  Result<store::Library> library = store::Library::open(library_path(options.library));
+  if (!library) return fail(std::move(library.error()));
+  const std::string text = formats::write_mechanism(mechanism);
+  const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
+  Motion named = motion;
+  named.name = out;
+  std::vector<store::LibraryItem> items(2);
+  items[0].kind = store::EntryKind::mechanism;
+  items[0].name = mechanism.name().empty() ? out : mechanism.name();
+  items[0].data.assign(bytes, bytes + text.size());
+  items[0].summary = Json{
+      {"freedoms", mechanism.nv()},
+      {"links", mechanism.link_count()},
+      {"mass", mechanism.mass()},
+      {"height", height},
+      {"source",
+       motion.source}}.dump();
+  items[1].kind = store::EntryKind::motion;
+  items[1].name = out;
+  items[1].data = formats::write_motion(named);
+  items[1].summary = Json{
+      {"mechanism", store::entry_id(store::EntryKind::mechanism, items[0].data)},
+      {"frames", motion.frames},
+      {"joints", mechanism.link_count()},
+      {"rate", motion.rate},
+      {"duration", motion.duration()},
+      {"cyclic", motion.cyclic},
+      {"freedoms", mechanism.nv()},
+      {"mass", mechanism.mass()},
+      {"height", height},
+      {"source",
+       motion.source}}.dump();
+  const Result<std::vector<std::string>> ids = library->put(items);
+  if (!ids) return fail(ids.error());
+  return "In the library as " + out + " (" + ids->back() + ").";
+}
+
+}  // namespace ugoki::cli
