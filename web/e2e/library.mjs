@@ -88,11 +88,11 @@ const journeys = [
       assert.ok((await files(page))[0].report.check.some((l) => /unit of length/.test(l)));
       await page.getByLabel('Unit of length').selectOption('0.01');
       await until(page, async () => !(await files(page))[0].again && (await height()) > 1.5, 'its height again');
-      await page.getByRole('textbox', { name: 'Frame rate' }).fill('60');
+      await page.locator('.import').getByRole('textbox', { name: 'Frame rate' }).fill('60');
       await page.keyboard.press('Enter');
       await until(page, async () => !(await files(page))[0].again && (await files(page))[0].settings.rate === 60, 'the rate');
-      await page.getByLabel('Name', { exact: true }).fill('Standing waver');
-      await page.getByLabel('Tags', { exact: true }).fill('test, legs');
+      await page.locator('.import').getByLabel('Name', { exact: true }).fill('Standing waver');
+      await page.locator('.import').getByLabel('Tags', { exact: true }).fill('test, legs');
       await page.getByRole('button', { name: 'Store in the library' }).click();
       await gone(page);
       await until(page, async () => (await shelf(page)).names.filter((n) => n === 'Standing waver').length === 2, 'body and motion in the list');
