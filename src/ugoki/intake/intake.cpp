@@ -7,12 +7,14 @@
 #include "ugoki/capture/capture.h"
 #include "ugoki/formats/bvh.h"
 #include "ugoki/formats/c3d.h"
+#include "ugoki/formats/csv.h"
 #include "ugoki/formats/gltf.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/formats/trc.h"
 #include "ugoki/geometry/prepare.h"
 #include "ugoki/robot_formats/robot_file.h"
+#include "ugoki/scene_formats/scene_file.h"
 
 namespace ugoki::intake {
 namespace {
@@ -253,7 +255,9 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "asf") return FileKind::asf;
   if (ending == "c3d") return FileKind::c3d;
   if (ending == "trc") return FileKind::trc;
+  if (ending == "csv") return FileKind::csv;
   if (ending == "gltf" || ending == "glb") return FileKind::gltf;
+  if (ending == "fbx" || ending == "dae") return FileKind::scene;
   if (ending == "json") return FileKind::mechanism_json;
   if (ending == "urdf" || ending == "sdf" || ending == "xml") return FileKind::robot;
   return std::nullopt;
@@ -271,8 +275,9 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
   if (options.axes && !options.axes->valid())
     return fail(ErrorCode::range, place, "Up and forward cannot be the same axis.", "Choose another forward axis.");
   if (!kind)
-    return fail(ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
-                "Give a .bvh, .amc (with its .asf), .c3d, .trc, .gltf, .glb, mechanism .json, .urdf, .sdf or MJCF .xml file.");
+    return fail(
+        ErrorCode::unsupported, place, "The ending of the name is none that can be imported.",
+        "Give a .bvh, .amc (with its .asf), .c3d, .trc, .csv, .gltf, .glb, .fbx, .dae, mechanism .json, .urdf, .sdf or MJCF .xml file.");
   formats::ReadNotes notes;
   switch (*kind) {
     case FileKind::bvh: {
@@ -301,6 +306,20 @@ Result<Intake> take_in(std::string_view bytes, std::string_view file_name, const
     case FileKind::trc: {
       Result<MarkerMotion> markers = formats::read_trc(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
       return from_markers(std::move(markers), std::move(notes), file_name, options);
+    }
+    case FileKind::csv: {
+      if (formats::csv_kind(bytes) == formats::CsvKind::coordinates)
+        return fail(ErrorCode::structure, place, "It holds the coordinates of a mechanism, but not the mechanism.",
+                    "Convert it with its mechanism: ugoki convert FILE OUT --mechanism MECHANISM.");
+      Result<MarkerMotion> markers = formats::read_csv(bytes, file_name, {.metres_per_unit = options.unit}, &notes);
+      return from_markers(std::move(markers), std::move(notes), file_name, options);
+    }
+    case FileKind::scene: {
+      const std::span raw(bytes.data(), bytes.size());
+      Result<std::vector<MeasuredMotion>> motions =
+          scene_formats::read_scene(std::as_bytes(raw), file_name, {.metres_per_unit = options.unit}, &notes);
+      if (!motions) return fail(std::move(motions.error()));
+      return from_measured(std::move(*motions), std::move(notes), file_name, options);
     }
     case FileKind::gltf: {
       const std::span raw(bytes.data(), bytes.size());

@@ -52,7 +52,7 @@ struct Intake {
   [[nodiscard]] std::string id_of(store::EntryKind kind) const;
 };
 
-enum class FileKind { bvh, amc, asf, c3d, trc, gltf, mechanism_json, robot };
+enum class FileKind { bvh, amc, asf, c3d, trc, csv, gltf, scene, mechanism_json, robot };
 /// By the ending of the name, in any case.
 [[nodiscard]] std::optional<FileKind> file_kind(std::string_view file_name);
 

@@ -34,7 +34,9 @@ const char* name_of(intake::FileKind kind) {
     case intake::FileKind::asf: return "ASF";
     case intake::FileKind::c3d: return "C3D";
     case intake::FileKind::trc: return "TRC";
+    case intake::FileKind::csv: return "CSV";
     case intake::FileKind::gltf: return "glTF";
+    case intake::FileKind::scene: return "FBX or COLLADA";
     case intake::FileKind::mechanism_json: return "Mechanism";
     case intake::FileKind::robot: return "Robot description";
     default: return "Motion";

@@ -1,0 +1,125 @@
+// The guarded reading: what the child process answers, and what is made of it.
+
+#include "ugoki/scene_formats/scene_file.h"
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/scene_formats/guarded_call.h"
+
+namespace ugoki::scene_formats {
+namespace {
+
+void put(std::string& out, std::string_view text) {
+  const std::uint64_t size = text.size();
+  out.append(reinterpret_cast<const char*>(&size), sizeof size);
+  out += text;
+}
+
+/// Takes a text off the front; false where there is none.
+bool take(std::string_view& in, std::string_view& text) {
+  std::uint64_t size = 0;
+  if (in.size() < sizeof size) return false;
+  std::memcpy(&size, in.data(), sizeof size);
+  in.remove_prefix(sizeof size);
+  if (size > in.size()) return false;
+  text = in.substr(0, size);
+  in.remove_prefix(size);
+  return true;
+}
+
+template <class T>
+void put_number(std::string& out, T x) {
+  put(out, {reinterpret_cast<const char*>(&x), sizeof x});
+}
+template <class T>
+bool take_number(std::string_view& in, T& x) {
+  std::string_view text;
+  if (!take(in, text) || text.size() != sizeof x) return false;
+  std::memcpy(&x, text.data(), sizeof x);
+  return true;
+}
+
+/// In the child.
+std::string answer_of(std::span<const std::byte> bytes, std::string_view file_name, const SceneOptions& options) {
+  formats::ReadNotes notes;
+  const Result<std::vector<MeasuredMotion>> motions = read_scene_unguarded(bytes, file_name, options, notes);
+  std::string out;
+  if (!motions) {
+    put_number(out, std::uint64_t{0});
+    put_number(out, std::uint64_t{motions.error().problems.size()});
+    for (const Problem& p : motions.error().problems) {
+      put_number(out, static_cast<std::uint64_t>(p.code));
+      for (const std::string* text : {&p.place, &p.message, &p.remedy}) put(out, *text);
+    }
+    return out;
+  }
+  put_number(out, std::uint64_t{motions->size()});
+  put_number(out, notes.frame_time);
+  put_number(out, notes.metres_per_unit);
+  put_number(out, std::uint64_t{notes.unit_guessed} + 2 * std::uint64_t{notes.z_up});
+  put_number(out, std::uint64_t{notes.remarks.size()});
+  for (const std::string& remark : notes.remarks) put(out, remark);
+  for (const MeasuredMotion& m : *motions) {
+    const std::vector<std::byte> data = formats::write_measured_motion(m);
+    put(out, {reinterpret_cast<const char*>(data.data()), data.size()});
+  }
+  return out;
+}
+
+/// False where the answer is none of answer_of's.
+bool understand(std::string_view in, const std::string& place, Error& error, std::vector<MeasuredMotion>& motions,
+                formats::ReadNotes& notes) {
+  std::uint64_t count = 0, flags = 0, remarks = 0;
+  std::string_view text;
+  if (!take_number(in, count)) return false;
+  if (count == 0) {
+    if (!take_number(in, remarks)) return false;
+    for (std::uint64_t i = 0; i < remarks; ++i) {
+      std::uint64_t code = 0;
+      std::string_view parts[3];
+      if (!take_number(in, code) || code > static_cast<std::uint64_t>(ErrorCode::cancelled)) return false;
+      for (std::string_view& part : parts)
+        if (!take(in, part)) return false;
+      error.add(static_cast<ErrorCode>(code), std::string(parts[0]), std::string(parts[1]), std::string(parts[2]));
+    }
+    return !error.empty();
+  }
+  if (!take_number(in, notes.frame_time) || !take_number(in, notes.metres_per_unit) || !take_number(in, flags) || !take_number(in, remarks))
+    return false;
+  notes.unit_guessed = (flags & 1) != 0;
+  notes.z_up = (flags & 2) != 0;
+  for (std::uint64_t i = 0; i < remarks; ++i) {
+    if (!take(in, text)) return false;
+    notes.remarks.emplace_back(text);
+  }
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (!take(in, text)) return false;
+    Result<MeasuredMotion> motion = formats::read_measured_motion({reinterpret_cast<const std::byte*>(text.data()), text.size()}, place);
+    if (!motion) return false;
+    motions.push_back(std::move(*motion));
+  }
+  return true;
+}
+
+}  // namespace
+
+Result<std::vector<MeasuredMotion>> read_scene(std::span<const std::byte> bytes, std::string_view file_name, const SceneOptions& options,
+                                               formats::ReadNotes* notes) {
+  const Result<std::string> answer =
+      call_guarded([&] { return answer_of(bytes, file_name, options); }, file_name, {.seconds = options.seconds});
+  if (!answer) return fail(answer.error());
+  Error error;
+  std::vector<MeasuredMotion> motions;
+  formats::ReadNotes told;
+  if (!understand(*answer, std::string(file_name), error, motions, told))
+    return fail(ErrorCode::syntax, std::string(file_name), "The library that reads this format gave no whole answer: the file is damaged.",
+                "Export it again.");
+  if (!error.empty()) return fail(std::move(error));
+  if (notes) *notes = std::move(told);
+  return motions;
+}
+
+}  // namespace ugoki::scene_formats

@@ -1,0 +1,438 @@
+// What assimp makes of a file, as measured motions.
+
+#include <assimp/config.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "ugoki/base/number.h"
+#include "ugoki/formats/file_axes.h"
+#include "ugoki/formats/text.h"
+#include "ugoki/scene_formats/scene_file.h"
+
+namespace ugoki::scene_formats {
+namespace {
+
+/// x -> M x + p, M with scales.
+struct Affine {
+  Mat3 M = Mat3::identity();
+  Vec3 p;
+  friend Affine operator*(const Affine& a, const Affine& b) { return {a.M * b.M, a.M * b.p + a.p}; }
+};
+
+Vec3 vec_of(const aiVector3D& v) { return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)}; }
+Quat quat_of(const aiQuaternion& q) {
+  return normalized(Quat{static_cast<double>(q.w), static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z)});
+}
+Affine affine_of(const aiMatrix4x4& m) {
+  const auto d = [](ai_real x) { return static_cast<double>(x); };
+  return {{d(m.a1), d(m.a2), d(m.a3), d(m.b1), d(m.b2), d(m.b3), d(m.c1), d(m.c2), d(m.c3)}, {d(m.a4), d(m.b4), d(m.c4)}};
+}
+
+/// The rotation nearest to M (polar decomposition by Newton's iteration); nothing where M is singular or turns inside out.
+std::optional<Mat3> nearest_rotation(Mat3 M) {
+  for (int i = 0; i < 60; ++i) {
+    const double det = M.determinant();
+    if (!(std::fabs(det) > 1e-18) || !std::isfinite(det)) return std::nullopt;
+    const Mat3 next = (M + inverse(M).transposed()) * 0.5;
+    const Mat3 change = next - M;
+    M = next;
+    if (norm(change.row(0)) + norm(change.row(1)) + norm(change.row(2)) < 1e-15) break;
+  }
+  if (M.determinant() < 0) return std::nullopt;
+  return M;
+}
+
+struct Node {
+  const aiNode* node;
+  int parent;      ///< of nodes
+  int joint = -1;  ///< of the skeleton
+  bool bone = false, animated = false, keep = false;
+  Affine rest;  ///< in the world
+};
+
+/// World of the file to ours.
+struct Frame {
+  Mat3 R = Mat3::identity();
+  double metres = 1;
+  [[nodiscard]] Vec3 position(const Vec3& p) const { return R * p * metres; }
+};
+
+class SceneReader {
+ public:
+  /// @param collada_up 0 x, 1 y, 2 z: what a COLLADA file says
+  SceneReader(const aiScene& scene, std::string_view file_name, const SceneOptions& options, formats::ReadNotes& notes, int collada_up)
+      : scene_(scene), file_name_(file_name), options_(options), notes_(notes), collada_up_(collada_up) {}
+
+  Result<std::vector<MeasuredMotion>> read() {
+    if (!collect_nodes()) return fail(std::move(error_));
+    choose_joints();
+    if (joints_.empty())
+      return fail(ErrorCode::structure, std::string(file_name_), "It holds no skeleton: no skin with bones and no node that moves.",
+                  "Export the skeleton with its motion.");
+    find_axes();
+    make_skeleton();
+    std::vector<MeasuredMotion> out;
+    for (unsigned i = 0; i < scene_.mNumAnimations; ++i) {
+      MeasuredMotion motion;
+      if (!sample(*scene_.mAnimations[i], i, motion)) {
+        if (!error_.empty()) return fail(std::move(error_));
+        continue;
+      }
+      out.push_back(std::move(motion));
+    }
+    if (out.empty()) {
+      MeasuredMotion rest = empty_motion(formats::stem_of(file_name_));
+      rest.frames = 1;
+      rest.rate = 30;
+      add_frame(rest, rest_locals_);
+      notes_.remarks.push_back("The file has no animations; it gives one frame at rest.");
+      out.push_back(std::move(rest));
+    }
+    return out;
+  }
+
+ private:
+  bool refuse(ErrorCode code, std::string message, std::string remedy) {
+    error_.add(code, std::string(file_name_), std::move(message), std::move(remedy));
+    return false;
+  }
+
+  /// Parents first; no recursion, so that no depth exhausts the stack.
+  bool collect_nodes() {
+    if (!scene_.mRootNode) return refuse(ErrorCode::structure, "It has no nodes.", "Export it again.");
+    std::map<std::string, bool, std::less<>> bones;
+    for (unsigned m = 0; m < scene_.mNumMeshes; ++m)
+      for (unsigned b = 0; b < scene_.mMeshes[m]->mNumBones; ++b) bones[scene_.mMeshes[m]->mBones[b]->mName.C_Str()] = true;
+    std::map<std::string, bool, std::less<>> animated;
+    for (unsigned a = 0; a < scene_.mNumAnimations; ++a)
+      for (unsigned c = 0; c < scene_.mAnimations[a]->mNumChannels; ++c)
+        animated[scene_.mAnimations[a]->mChannels[c]->mNodeName.C_Str()] = true;
+    nodes_.push_back({scene_.mRootNode, -1, -1, false, false, false, affine_of(scene_.mRootNode->mTransformation)});
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const aiNode* node = nodes_[i].node;
+      nodes_[i].bone = bones.contains(std::string_view(node->mName.C_Str()));
+      nodes_[i].animated = animated.contains(std::string_view(node->mName.C_Str()));
+      index_.emplace(node->mName.C_Str(), static_cast<int>(i));
+      for (unsigned c = 0; c < node->mNumChildren; ++c) {
+        if (nodes_.size() > 20 * formats::max_joints)
+          return refuse(ErrorCode::range, "It has more than " + std::to_string(20 * formats::max_joints) + " nodes.",
+                        "Export the skeleton only.");
+        nodes_.push_back({node->mChildren[c], static_cast<int>(i), -1, false, false, false,
+                          nodes_[i].rest * affine_of(node->mChildren[c]->mTransformation)});
+      }
+    }
+    for (const Node& n : nodes_)
+      if (!is_finite(n.rest.p) || !is_finite(n.rest.M.row(0)) || !is_finite(n.rest.M.row(1)) || !is_finite(n.rest.M.row(2)))
+        return refuse(ErrorCode::range, "A number of the node " + formats::in_quotes(n.node->mName.C_Str()) + " is not finite.",
+                      "Export it again.");
+    return true;
+  }
+
+  /// Bones, what lies between them, and what above them moves; without bones what moves, with all that hangs on it.
+  void choose_joints() {
+    const bool skinned = std::any_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.bone; });
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      Node& n = nodes_[i];
+      const bool on_chosen = n.parent >= 0 && nodes_[static_cast<std::size_t>(n.parent)].keep;
+      n.keep = skinned ? n.bone : (n.animated || (on_chosen && n.node->mNumMeshes == 0));
+    }
+    for (std::size_t i = nodes_.size(); i-- > 1;) {  // above what is kept: what moves or is a bone, and what lies between
+      if (!nodes_[i].keep) continue;
+      std::size_t top = i;
+      for (int k = nodes_[i].parent; k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent)
+        if (nodes_[static_cast<std::size_t>(k)].keep || nodes_[static_cast<std::size_t>(k)].animated) top = static_cast<std::size_t>(k);
+      for (int k = nodes_[i].parent; top != i && k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent) {
+        nodes_[static_cast<std::size_t>(k)].keep = true;
+        if (static_cast<std::size_t>(k) == top) break;
+      }
+    }
+    if (std::none_of(nodes_.begin(), nodes_.end(), [](const Node& n) { return n.keep; }) && scene_.mNumAnimations == 0 &&
+        scene_.mNumMeshes == 0)
+      for (std::size_t i = 1; i < nodes_.size(); ++i) nodes_[i].keep = true;  // a bare skeleton at rest
+    for (std::size_t i = 0; i < nodes_.size() && joints_.size() < formats::max_joints; ++i) {
+      if (!nodes_[i].keep) continue;
+      nodes_[i].joint = static_cast<int>(joints_.size());
+      joints_.push_back(i);
+    }
+  }
+
+  [[nodiscard]] std::optional<double> number(const char* key) const {
+    if (!scene_.mMetaData) return std::nullopt;
+    int whole = 0;
+    float single = 0;
+    double twice = 0;
+    if (scene_.mMetaData->Get(key, twice)) return twice;
+    if (scene_.mMetaData->Get(key, single)) return static_cast<double>(single);
+    if (scene_.mMetaData->Get(key, whole)) return whole;
+    return std::nullopt;
+  }
+
+  /// FBX says which axis points up and how many centimetres a unit is; COLLADA's unit is applied by assimp (metres).
+  void find_axes() {
+    const bool fbx = number("UnitScaleFactor").has_value() || number("UpAxis").has_value();
+    const int up = fbx ? static_cast<int>(number("UpAxis").value_or(1)) : collada_up_;
+    const double sign = fbx && number("UpAxisSign").value_or(1) < 0 ? -1 : 1;
+    if (up == 2)
+      frame_.R = Mat3::identity();
+    else if (up == 0)
+      frame_.R = {0, 1, 0, 0, 0, 1, 1, 0, 0};
+    else
+      frame_.R = {0, 0, 1, 1, 0, 0, 0, 1, 0};
+    if (sign < 0) frame_.R = Mat3::diagonal(1, -1, -1) * frame_.R;
+    notes_.z_up = up == 2;
+    const double scale = number("UnitScaleFactor").value_or(1);
+    double metres = fbx ? 0.01 * (std::isfinite(scale) && scale > 0 ? scale : 1) : 1;
+    if (options_.metres_per_unit > 0) {
+      metres = options_.metres_per_unit;
+    } else {
+      Vec3 low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
+      for (const std::size_t i : joints_)
+        for (int k = 0; k < 3; ++k) {
+          low[k] = std::min(low[k], nodes_[i].rest.p[k]);
+          high[k] = std::max(high[k], nodes_[i].rest.p[k]);
+        }
+      const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+      if (extent > 0 && (extent * metres > 20 || extent * metres < 0.01)) {
+        const formats::UnitGuess guess = formats::guess_unit(extent);
+        notes_.remarks.push_back("By its unit the skeleton would be " + to_fixed(extent * metres, 3) + " m large; the unit is taken as " +
+                                 to_text(guess.metres) + " m.");
+        notes_.unit_guessed = true;
+        metres = guess.metres;
+      }
+    }
+    frame_.metres = metres;
+    notes_.metres_per_unit = metres;
+  }
+
+  void make_skeleton() {
+    skeleton_.name = formats::stem_of(file_name_);
+    skeleton_.unit = frame_.metres;
+    std::map<std::string, int, std::less<>> used;
+    for (const std::size_t i : joints_) {
+      const Node& n = nodes_[i];
+      SkeletonJoint joint;
+      joint.name = formats::utf8(n.node->mName.C_Str());
+      if (joint.name.empty()) joint.name = "joint";
+      const std::string stem = joint.name;
+      for (int k = 2; !used.emplace(joint.name, 1).second; ++k) joint.name = stem + "_" + std::to_string(k);
+      joint.parent = parent_joint(i);
+      const Vec3 here = frame_.position(n.rest.p);
+      joint.offset = joint.parent < 0 ? here : here - frame_.position(nodes_[joints_[static_cast<std::size_t>(joint.parent)]].rest.p);
+      joint.freedoms = {{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
+      skeleton_.joints.push_back(std::move(joint));
+    }
+    for (const Node& n : nodes_) rest_locals_.push_back(affine_of(n.node->mTransformation));
+  }
+
+  /// The nearest node above that is a joint.
+  [[nodiscard]] int parent_joint(std::size_t node) const {
+    for (int k = nodes_[node].parent; k >= 0; k = nodes_[static_cast<std::size_t>(k)].parent)
+      if (nodes_[static_cast<std::size_t>(k)].joint >= 0) return nodes_[static_cast<std::size_t>(k)].joint;
+    return -1;
+  }
+
+  MeasuredMotion empty_motion(std::string name) const {
+    MeasuredMotion m;
+    m.name = std::move(name);
+    m.source = std::string(file_name_);
+    m.skeleton = skeleton_;
+    return m;
+  }
+
+  /// @param locals [nodes]
+  void add_frame(MeasuredMotion& motion, const std::vector<Affine>& locals) {
+    world_.resize(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i)
+      world_[i] = nodes_[i].parent < 0 ? locals[i] : world_[static_cast<std::size_t>(nodes_[i].parent)] * locals[i];
+    std::vector<Mat3> turned(joints_.size());
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const std::size_t i = joints_[j];
+      const int parent = skeleton_.joints[j].parent;
+      // How the joint's frame, parallel to the world's at rest, is turned now.
+      std::optional<Mat3> G;
+      if (std::fabs(nodes_[i].rest.M.determinant()) > 1e-18)
+        G = nearest_rotation(frame_.R * (world_[i].M * inverse(nodes_[i].rest.M)) * frame_.R.transposed());
+      if (!G) {
+        ++flat_;
+        G = parent < 0 ? Mat3::identity() : turned[static_cast<std::size_t>(parent)];
+      }
+      turned[j] = *G;
+      const Vec3 p = frame_.position(world_[i].p);
+      if (parent < 0) {
+        motion.translations.push_back(p);
+        motion.rotations.push_back(to_quat(*G));
+      } else {
+        const Mat3& up = turned[static_cast<std::size_t>(parent)];
+        motion.translations.push_back(transpose_times(up, p - frame_.position(world_[joints_[static_cast<std::size_t>(parent)]].p)));
+        motion.rotations.push_back(to_quat(up.transposed() * *G));
+      }
+    }
+  }
+
+  /// Value of keys at time t [ticks], straight between them.
+  template <class Key, class Value, class Mix>
+  static Value at(const Key* keys, unsigned count, double t, unsigned& cursor, Value (*value)(const Key&), Mix mix) {
+    while (cursor + 1 < count && keys[cursor + 1].mTime <= t) ++cursor;
+    if (cursor + 1 >= count || t <= keys[cursor].mTime) return value(keys[cursor]);
+    const double s = (t - keys[cursor].mTime) / (keys[cursor + 1].mTime - keys[cursor].mTime);
+    return mix(value(keys[cursor]), value(keys[cursor + 1]), s);
+  }
+
+  struct Cursor {
+    unsigned position = 0, rotation = 0, scale = 0;
+  };
+  static Vec3 vector_of(const aiVectorKey& k) { return vec_of(k.mValue); }
+  static Quat rotation_of(const aiQuatKey& k) { return quat_of(k.mValue); }
+
+  Affine local_of(const aiNodeAnim& channel, double t, Cursor& cursor, const Affine& rest) const {
+    const auto line = [](const Vec3& a, const Vec3& b, double s) { return a + (b - a) * s; };
+    Vec3 p = rest.p, scale{norm(rest.M.column(0)), norm(rest.M.column(1)), norm(rest.M.column(2))};
+    Mat3 R = Mat3::identity();
+    if (channel.mNumPositionKeys > 0) p = at(channel.mPositionKeys, channel.mNumPositionKeys, t, cursor.position, vector_of, line);
+    if (channel.mNumScalingKeys > 0) scale = at(channel.mScalingKeys, channel.mNumScalingKeys, t, cursor.scale, vector_of, line);
+    if (channel.mNumRotationKeys > 0)
+      R = to_matrix(at(channel.mRotationKeys, channel.mNumRotationKeys, t, cursor.rotation, rotation_of,
+                       [](const Quat& a, const Quat& b, double s) { return slerp(a, b, s); }));
+    else if (const auto own = nearest_rotation(rest.M))
+      R = *own;
+    return {R * Mat3::diagonal(scale.x, scale.y, scale.z), p};
+  }
+
+  /// False: there is nothing to sample, or a problem.
+  bool sample(const aiAnimation& animation, unsigned number, MeasuredMotion& motion) {
+    const double ticks = animation.mTicksPerSecond > 0 && std::isfinite(animation.mTicksPerSecond) ? animation.mTicksPerSecond : 25;
+    double first = INFINITY, last = -INFINITY, closest = INFINITY;
+    std::vector<double> gaps;
+    std::vector<const aiNodeAnim*> channel_of(nodes_.size(), nullptr);
+    const auto look = [&](const auto* keys, unsigned count) {
+      for (unsigned k = 0; k < count; ++k) {
+        const double t = keys[k].mTime;
+        if (!std::isfinite(t) || std::fabs(t) > 1e12) return false;
+        if (k > 0 && t < keys[k - 1].mTime) return false;
+        if (k > 0 && t > keys[k - 1].mTime) gaps.push_back(t - keys[k - 1].mTime);
+        first = std::min(first, t);
+        last = std::max(last, t);
+      }
+      // The median, because exporters split some keys by rounding.
+      if (!gaps.empty()) {
+        std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+        closest = std::min(closest, gaps[gaps.size() / 2]);
+        gaps.clear();
+      }
+      return true;
+    };
+    for (unsigned c = 0; c < animation.mNumChannels; ++c) {
+      const aiNodeAnim& channel = *animation.mChannels[c];
+      const auto it = index_.find(std::string_view(channel.mNodeName.C_Str()));
+      if (it == index_.end()) continue;
+      if (!look(channel.mPositionKeys, channel.mNumPositionKeys) || !look(channel.mRotationKeys, channel.mNumRotationKeys) ||
+          !look(channel.mScalingKeys, channel.mNumScalingKeys))
+        return refuse(ErrorCode::structure, "The times of the keys of " + formats::in_quotes(channel.mNodeName.C_Str()) + " do not go up.",
+                      "Export it again.");
+      channel_of[static_cast<std::size_t>(it->second)] = &channel;
+    }
+    if (!(last >= first)) return false;
+    double rate = options_.rate;
+    if (!(rate > 0)) {
+      rate = std::isfinite(closest) ? std::min(ticks / closest, 1000.0) : 30;
+      if (const double whole = std::round(rate); whole >= 1 && std::fabs(rate / whole - 1) < 2e-3) rate = whole;
+      rate = std::max(rate, 1.0);
+    }
+    const double span = (last - first) / ticks;
+    const double frames = std::floor(span * rate + 1.5);
+    if (!(frames * static_cast<double>(joints_.size()) <= 2e7))
+      return refuse(ErrorCode::range,
+                    "An animation of " + to_fixed(span, 1) + " s at " + to_fixed(rate, 1) +
+                        " frames a second has more than 20 million poses of joints.",
+                    "Sample it at a lower rate (--rate).");
+    const std::string own = formats::utf8(animation.mName.C_Str());
+    motion = empty_motion(scene_.mNumAnimations == 1 || own.empty()
+                              ? formats::stem_of(file_name_) + (scene_.mNumAnimations == 1 ? "" : " " + std::to_string(number + 1))
+                              : own);
+    motion.rate = rate;
+    motion.frames = static_cast<int>(frames);
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const aiNodeAnim* channel = channel_of[joints_[j]];
+      motion.skeleton.joints[j].translates = moves(channel);
+    }
+    std::vector<Cursor> cursors(nodes_.size());
+    std::vector<Affine> locals = rest_locals_;
+    flat_ = 0;
+    for (int f = 0; f < motion.frames; ++f) {
+      const double t = std::min(first + f / rate * ticks, last);
+      for (std::size_t i = 0; i < nodes_.size(); ++i)
+        if (channel_of[i]) locals[i] = local_of(*channel_of[i], t, cursors[i], rest_locals_[i]);
+      add_frame(motion, locals);
+    }
+    for (const Vec3& p : motion.translations)
+      if (!is_finite(p) || norm(p) > formats::max_magnitude)
+        return refuse(ErrorCode::range, "A position is not finite or beyond 1e9 m.", "Export it again.");
+    if (flat_ > 0)
+      notes_.remarks.push_back("Some joints are scaled to nothing or mirrored in " + std::to_string(flat_) +
+                               " places; there they turn with their parents.");
+    notes_.frame_time = 1 / rate;
+    return true;
+  }
+
+  static bool moves(const aiNodeAnim* channel) {
+    if (!channel || channel->mNumPositionKeys < 2) return false;
+    for (unsigned k = 1; k < channel->mNumPositionKeys; ++k) {
+      const Vec3 d = vec_of(channel->mPositionKeys[k].mValue) - vec_of(channel->mPositionKeys[0].mValue);
+      if (norm(d) > 1e-5 * (1 + norm(vec_of(channel->mPositionKeys[0].mValue)))) return true;
+    }
+    return false;
+  }
+
+  const aiScene& scene_;
+  std::string_view file_name_;
+  const SceneOptions& options_;
+  formats::ReadNotes& notes_;
+  int collada_up_;
+  Error error_;
+  std::vector<Node> nodes_;
+  std::map<std::string, int, std::less<>> index_;
+  std::vector<std::size_t> joints_;  ///< [joints] index of the node
+  Frame frame_;
+  Skeleton skeleton_;
+  std::vector<Affine> rest_locals_;  ///< [nodes]
+  std::vector<Affine> world_;        ///< [nodes] of the frame at hand
+  long flat_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::byte> bytes, std::string_view file_name,
+                                                         const SceneOptions& options, formats::ReadNotes& notes) {
+  const std::string place(file_name);
+  const std::size_t dot = file_name.rfind('.');
+  const std::string_view ending = dot == std::string_view::npos ? std::string_view() : file_name.substr(dot + 1);
+  const bool fbx = formats::equal_ignoring_case(ending, "fbx"), dae = formats::equal_ignoring_case(ending, "dae");
+  if (!fbx && !dae) return fail(ErrorCode::unsupported, place, "It is neither FBX nor COLLADA.", "Give a .fbx or .dae file.");
+  if (bytes.empty()) return fail(ErrorCode::truncated, place, "The file is empty.", "Export it again.");
+  Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_MATERIALS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_TEXTURES, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // we turn it ourselves, as other files that have Z up
+  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, fbx ? "fbx" : "dae");
+  if (!scene)
+    return fail(ErrorCode::syntax, place,
+                "It cannot be read as " + std::string(fbx ? "FBX" : "COLLADA") + ": " + formats::utf8(importer.GetErrorString()) + ".",
+                "Export it again, in another version of the format or as glTF or BVH.");
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t at = dae ? text.find("<up_axis>") : std::string_view::npos;
+  const std::string_view axis = at == std::string_view::npos ? std::string_view("Y_UP") : text.substr(at + 9, 20);
+  const int up = axis.find("Z_UP") != std::string_view::npos ? 2 : axis.find("X_UP") != std::string_view::npos ? 0 : 1;
+  return SceneReader(*scene, file_name, options, notes, up).read();
+}
+
+}  // namespace ugoki::scene_formats

@@ -1,0 +1,135 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "made_scene.h"
+#include "ugoki/scene_formats/scene_file.h"
+
+namespace ugoki::scene_formats {
+namespace {
+
+std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text.data(), text.size())); }
+
+int joint_named(const MeasuredMotion& m, const std::string& name) {
+  for (int i = 0; i < m.joint_count(); ++i)
+    if (m.skeleton.joints[static_cast<std::size_t>(i)].name == name) return i;
+  return -1;
+}
+
+/// Greatest difference [m] of a joint's position in any frame, and of the turn of its frame since rest.
+void expect_same(const MeasuredMotion& m, const MeasuredMotion& back, double tolerance) {
+  ASSERT_EQ(back.frames, m.frames);
+  EXPECT_NEAR(back.rate, m.rate, 1e-6);
+  std::vector<Pose> X(static_cast<std::size_t>(m.joint_count())), Y(static_cast<std::size_t>(back.joint_count()));
+  double place = 0, turn = 0;
+  for (int f = 0; f < m.frames; ++f) {
+    m.calc_joint_poses(f, X);
+    back.calc_joint_poses(f, Y);
+    for (int i = 0; i < m.joint_count(); ++i) {
+      const int at = joint_named(back, m.skeleton.joints[static_cast<std::size_t>(i)].name);
+      ASSERT_GE(at, 0) << m.skeleton.joints[static_cast<std::size_t>(i)].name;
+      const Pose &a = X[static_cast<std::size_t>(i)], &b = Y[static_cast<std::size_t>(at)];
+      place = std::max(place, norm(a.p - b.p));
+      for (int r = 0; r < 3; ++r) turn = std::max(turn, norm(a.R.row(r) - b.R.row(r)));
+    }
+  }
+  EXPECT_LT(place, tolerance);
+  EXPECT_LT(turn, 3 * tolerance);
+}
+
+TEST(Scene, FbxComesBack) {
+  for (const char* format : {"fbxa"})
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      SCOPED_TRACE(std::string(format) + " " + std::to_string(seed));
+      const MeasuredMotion m = random_motion(seed);
+      const std::string file = make_scene_file(m, {.format = format, .units_per_metre = 100});
+      formats::ReadNotes notes;
+      const auto back = read_scene(bytes_of(file), "made.fbx", {}, &notes);
+      ASSERT_TRUE(back.has_value()) << back.error().text();
+      ASSERT_EQ(back->size(), 1u);
+      EXPECT_EQ(notes.metres_per_unit, 0.01);
+      expect_same(m, back->front(), 2e-5);  // single precision, angles as Euler degrees
+    }
+}
+
+TEST(Scene, FbxTellsItsAxesAndUnit) {
+  const MeasuredMotion m = random_motion(4);
+  std::string file = make_scene_file(m, {.format = "fbxa", .units_per_metre = 100});
+  const auto set = [&](const std::string& property, const std::string& value) {
+    const std::size_t at = file.find("\"" + property + "\"");
+    ASSERT_NE(at, std::string::npos) << property;
+    const std::size_t end = file.find('\n', at), comma = file.rfind(',', end);
+    file.replace(comma + 1, end - comma - 1, value);
+  };
+  set("UpAxis", "2");
+  set("UnitScaleFactor", "2.54");
+  formats::ReadNotes notes;
+  const auto back = read_scene(bytes_of(file), "made.fbx", {}, &notes);
+  ASSERT_TRUE(back.has_value()) << back.error().text();
+  EXPECT_TRUE(notes.z_up);
+  EXPECT_NEAR(notes.metres_per_unit, 0.0254, 1e-9);
+  std::vector<Pose> X(12), Y(static_cast<std::size_t>(back->front().joint_count()));
+  m.calc_joint_poses(7, X);
+  back->front().calc_joint_poses(7, Y);
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 p = X[static_cast<std::size_t>(i)].p,
+               q = Y[static_cast<std::size_t>(joint_named(back->front(), m.skeleton.joints[static_cast<std::size_t>(i)].name))].p;
+    // The file was written Y up: (x, y, z) as (y, z, x); now its numbers are taken Z up, as they are.
+    EXPECT_LT(norm(q - Vec3{p.y, p.z, p.x} * 2.54), 1e-4);
+  }
+}
+
+TEST(Scene, ColladaComesBack) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const MeasuredMotion m = random_motion(seed);
+    const std::string file = make_scene_file(m, {.format = "collada"});
+    const auto back = read_scene(bytes_of(file), "made.dae");
+    ASSERT_TRUE(back.has_value()) << back.error().text();
+    ASSERT_EQ(back->size(), 1u);
+    expect_same(m, back->front(), 2e-5);
+  }
+}
+
+/// By hand: hip at (1, 2, 3), arm 4 along y above it, tip 5 along z from the arm, which turns about x by 90 degrees.
+TEST(Scene, ColladaTellsItsAxesAndUnit) {
+  for (const std::string& up : {std::string("Y_UP"), std::string("Z_UP")}) {
+    SCOPED_TRACE(up);
+    const std::string text = collada_text(up, 0.1);
+    const auto back = read_scene(bytes_of(text), "hand.dae", {.rate = 10});
+    ASSERT_TRUE(back.has_value()) << back.error().text();
+    const MeasuredMotion& m = back->front();
+    ASSERT_EQ(m.frames, 11);
+    std::vector<Pose> X(static_cast<std::size_t>(m.joint_count()));
+    const auto file = [&](const Vec3& p) { return (up == "Y_UP" ? Vec3{p.z, p.x, p.y} : p) * 0.1; };
+    m.calc_joint_poses(0, X);
+    const auto at = [&](const char* name) { return X[static_cast<std::size_t>(joint_named(m, name))].p; };
+    EXPECT_LT(norm(at("arm") - file({1, 6, 3})), 1e-5);
+    EXPECT_LT(norm(at("tip") - file({1, 6, 8})), 1e-5);
+    m.calc_joint_poses(10, X);
+    EXPECT_LT(norm(at("tip") - file({1, 1, 3})), 1e-5);  // z turned about x is -y
+  }
+}
+
+TEST(Scene, FilesWithoutSkinGiveWhatMoves) {
+  const MeasuredMotion m = random_motion(6);
+  const std::string file = make_scene_file(m, {.format = "fbxa", .units_per_metre = 100, .skin = false});
+  const auto back = read_scene(bytes_of(file), "bare.fbx");
+  ASSERT_TRUE(back.has_value()) << back.error().text();
+  expect_same(m, back->front(), 2e-5);
+}
+
+TEST(Scene, Refusals) {
+  const auto refused = [](const std::string& text, const char* name) {
+    const auto r = read_scene(bytes_of(text), name);
+    EXPECT_FALSE(r.has_value());
+    return r ? std::string() : r.error().text();
+  };
+  EXPECT_NE(refused("", "x.fbx").find("empty"), std::string::npos);
+  EXPECT_NE(refused("hello", "x.fbx").find("cannot be read"), std::string::npos);
+  EXPECT_NE(refused("<COLLADA/>", "x.dae").find("x.dae"), std::string::npos);
+  EXPECT_NE(refused("hello", "x.blend").find("neither"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ugoki::scene_formats
