@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   add_lsi_verb(app, action);
   add_circuit_verb(app, action);
   add_motion_verb(app, action);
+  add_retarget_verb(app, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

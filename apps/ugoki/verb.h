@@ -18,6 +18,7 @@ void add_judge_verb(CLI::App& app, Action& action);
 void add_lsi_verb(CLI::App& app, Action& action);
 void add_circuit_verb(CLI::App& app, Action& action);
 void add_motion_verb(CLI::App& app, Action& action);
+void add_retarget_verb(CLI::App& app, Action& action);
 /// `studio`, and the hidden `interpret` that the studio starts for itself.
 void add_studio_verb(CLI::App& app, Action& action);
 

@@ -43,6 +43,8 @@ class Driver {
   [[nodiscard]] Vec3 end_place(int limb, std::span<const Pose> X_S) const;
   /// Middle between the hips, where the target's should be. m
   [[nodiscard]] Vec3 hip_place(std::span<const Pose> X_S) const;
+  /// A place of the source's world in the target's, which is larger or smaller.
+  [[nodiscard]] Vec3 scaled_place(const Vec3& p) const { return {path_scale_ * p.x, path_scale_ * p.y, scale_ * (p.z - ground_)}; }
   /// Heading of the source's pelvis.
   [[nodiscard]] double heading(std::span<const Pose> X_S) const;
 

@@ -1,6 +1,7 @@
 #include "ugoki/retarget/figure.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
@@ -388,14 +389,28 @@ class Finder {
     return {};
   }
 
+  /// True if the joints at this place only turn the bone that leads to it about itself: they belong to that bone.
+  [[nodiscard]] bool only_twists(const std::vector<int>& links, int first, const Vec3& bone) const {
+    for (std::size_t i = at(first); i < links.size() && norm(p_[at(links[i])] - p_[at(links[at(first)])]) < 1e-3 * norm(bone); ++i) {
+      const Joint& joint = link(links[i]).joint;
+      if (joint.type == JointType::fixed) continue;
+      if (joint.type != JointType::revolute) return false;
+      const Vec3 axis = transpose_times(f_.R_WA, f_.X_WB[at(links[i])].R * joint.axis);
+      if (std::fabs(dot(axis, bone)) < 0.9 * norm(bone)) return false;
+    }
+    return at(first) + 1 < links.size();
+  }
+
   /// The two longest neighbouring bones are upper and lower; what coincides is one joint.
   [[nodiscard]] std::vector<int> slots_of_lengths(const std::vector<int>& links) const {
     const int n = static_cast<int>(links.size());
     std::vector<int> node_begin = {0};
     double total = 0;
     for (int i = 1; i < n; ++i) total += norm(p_[at(links[at(i)])] - p_[at(links[at(i - 1)])]);
-    for (int i = 1; i < n; ++i)
-      if (norm(p_[at(links[at(i)])] - p_[at(links[at(node_begin.back())])]) > 0.04 * total) node_begin.push_back(i);
+    for (int i = 1; i < n; ++i) {
+      const Vec3 bone = p_[at(links[at(i)])] - p_[at(links[at(node_begin.back())])];
+      if (norm(bone) > 0.04 * total && !only_twists(links, i, bone)) node_begin.push_back(i);
+    }
     const int nodes = static_cast<int>(node_begin.size());
     std::vector<double> bone(at(nodes), 0.0);
     for (int i = 0; i < nodes; ++i) {

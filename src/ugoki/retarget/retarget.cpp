@@ -1,6 +1,7 @@
 #include "ugoki/retarget/retarget.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ugoki/base/number.h"
@@ -8,6 +9,7 @@
 #include "ugoki/motion_edit/rounds.h"
 #include "ugoki/retarget/feet_plan.h"
 #include "ugoki/retarget/findings.h"
+#include "ugoki/retarget/holds.h"
 
 namespace ugoki::retarget {
 namespace {
@@ -34,6 +36,8 @@ class Retargeting {
     q_.resize(at(m_.nq()));
   }
 
+  [[nodiscard]] const std::vector<Miss>& hand_misses() const { return hand_misses_; }
+
   Retargeted run() {
     double ground = 0;
     bears_ = source_contacts(s_, in_, ground);
@@ -43,6 +47,7 @@ class Retargeting {
     make_paths();
     solve_all();
     follow_real_soles();
+    hold();
     label();
     find_facts(t_, driver_, o_, out_);
     for (FootPlan& plan : feet_) add_foot_facts(plan);
@@ -90,6 +95,9 @@ class Retargeting {
         for (int i = 0; i < 5; ++i) driver_.pose(q_S, X_S, q_, X_);
       driver_.pose(q_S, X_S, q_, X_);
       std::copy(q_.begin(), q_.end(), frame(f));
+      hips_.push_back((X_S[at(s_.limbs[0].root)].p + X_S[at(s_.limbs[1].root)].p) * 0.5);
+      for (int hand = 0; hand < 2; ++hand)
+        if (has_hand(hand)) hands_[at(hand)].push_back(X_S[at(s_.limbs[at(2 + hand)].end)].p);
       for (FootPlan& plan : feet_) {
         const LimbRig& limb = t_.limbs[at(plan.limb)];
         plan.from_hip[at(f)] = driver_.end_place(plan.limb, X_S);
@@ -218,10 +226,38 @@ class Retargeting {
     return out;
   }
 
+  /// Sideways, so that the centre of mass comes over the standing feet: between them, or no farther from one than a part of its length.
+  [[nodiscard]] std::vector<Vec3> shift_for_balance() {
+    const double play = 0.06 * t_.leg_length;
+    std::vector<Vec3> need(at(in_.frames));
+    for (int f = 0; f < in_.frames; ++f) {
+      solve_frame(f, {});
+      calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
+      std::vector<Vec3> feet;
+      for (const FootPlan& plan : feet_)
+        if (plan.path.bears[at(f)]) feet.push_back(plan.path.X_WF[at(f)].p);
+      if (feet.empty()) continue;
+      Vec3 com = centre_of_mass(m_, X_), nearest;
+      double least = 1e300;
+      for (const Vec3& a : feet)
+        for (const Vec3& b : feet) {
+          const Vec3 ab{b.x - a.x, b.y - a.y, 0}, ac{com.x - a.x, com.y - a.y, 0};
+          const double s = dot(ab, ab) > 0 ? std::clamp(dot(ab, ac) / dot(ab, ab), 0.0, 1.0) : 0;
+          if (const Vec3 d = ab * s - ac; norm(d) < least) {
+            least = norm(d);
+            nearest = d;
+          }
+        }
+      if (least > play) need[at(f)] = nearest * (1 - play / least);
+    }
+    return envelope(need);
+  }
+
   void solve_all() {
     std::vector<Vec3> shift(at(in_.frames)), extra(at(in_.frames));
     const bool movable = m_.link(0).joint.type == JointType::floating && o_.keep_contacts;
     const double enough = near_enough * t_.leg_length;
+    if (o_.balance && movable) shift = shift_for_balance();
     for (int round = 0;; ++round) {
       bool any = false;
       const bool last = round == 3;
@@ -337,6 +373,52 @@ class Retargeting {
     }
   }
 
+  [[nodiscard]] bool has_hand(int hand) const {
+    const LimbDrive& drive = driver_.limb(2 + hand);
+    return drive.mode == LimbMode::copied && !drive.ground && !s_.figure.four_legs;
+  }
+
+  /// Hands go on holding what they held: a place of the (scaled) world, or each other.
+  void hold() {
+    if (!o_.keep_holds || !o_.keep_contacts) return;
+    std::vector<Miss> misses(2);
+    for (const Hold& hold : find_holds(hands_, hips_, in_.rate, s_.leg_length)) {
+      out_.report.holds.push_back(text_of(hold));
+      const int beside = static_cast<int>(0.2 * in_.rate);
+      for (int f = std::max(0, hold.first - beside); f <= std::min(in_.frames - 1, hold.last + beside); ++f) {
+        const double weight = weight_of(hold, f, in_.rate);
+        if (!(weight > 0)) continue;
+        calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
+        std::array<Vec3, 2> goals;
+        for (int hand = 0; hand < 2; ++hand)
+          if (has_hand(hand)) goals[at(hand)] = X_[at(t_.limbs[at(2 + hand)].end)].p;
+        if (hold.kind == Hold::Kind::place) {
+          goals[at(hold.hand)] += (driver_.scaled_place(hold.place) - goals[at(hold.hand)]) * weight;
+        } else {
+          const Vec3 between = (hands_[1][at(f)] - hands_[0][at(f)]) * driver_.scale();
+          const Vec3 off = between - (goals[1] - goals[0]);
+          goals[0] -= off * (0.5 * weight);
+          goals[1] += off * (0.5 * weight);
+        }
+        for (int hand = 0; hand < 2; ++hand) {
+          if (!has_hand(hand) || (hold.kind == Hold::Kind::place && hand != hold.hand)) continue;
+          const LimbRig& limb = t_.limbs[at(2 + hand)];
+          const double off = driver_.reach(2 + hand, {X_[at(limb.end)].R, goals[at(hand)]}, frame(f), X_);
+          Miss& miss = misses[at(hand)];
+          miss.link = m_.link(limb.end).name;
+          if (weight < 1 || off < 1e-3) continue;
+          ++miss.frames;
+          if (off > miss.most) {
+            miss.most = off;
+            miss.frame = f;
+          }
+        }
+      }
+    }
+    for (const Miss& miss : misses)
+      if (miss.frames > 0) hand_misses_.push_back(miss);
+  }
+
   /// Standing feet are labelled; one that did not come to the ground does not stand.
   void label() {
     for (FootPlan& plan : feet_) {
@@ -377,7 +459,9 @@ class Retargeting {
   std::vector<double> postures_, q_;
   std::vector<Pose> X_;
   std::vector<std::uint8_t> dirty_;
-  std::vector<Vec3> lacks_;
+  std::vector<Vec3> lacks_, hips_;
+  std::array<std::vector<Vec3>, 2> hands_;  // [frames] m, of the source
+  std::vector<Miss> hand_misses_;
   Retargeted out_;
 };
 
@@ -388,9 +472,11 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
   RetargetOptions tried = options;
   const double usual = Driver(source, target, options.mapping).scale();
   for (int i = 0; i < 5; ++i) {
-    Retargeted out = Retargeting(source, target, motion, tried).run();
+    Retargeting run(source, target, motion, tried);
+    Retargeted out = run.run();
     double most = 0;
     for (const Miss& miss : out.report.misses) most = std::max(most, miss.most);
+    out.report.misses.insert(out.report.misses.end(), run.hand_misses().begin(), run.hand_misses().end());
     // A root that has to be moved far looks as bad as a foot that does not reach.
     most += 0.1 * std::max(0.0, out.report.greatest_shift - 0.1 * target.leg_length);
     if (most < least - 1e-4 || i == 0) {

@@ -41,6 +41,7 @@ struct RetargetReport {
   double greatest_speed = 0;                          ///< greatest speed of a joint over what is allowed; 0: nothing is limited
   std::string speed_link;
   double slowed = 1;                 ///< factor by which the motion lasts longer
+  std::vector<std::string> holds;    ///< what hands were found to hold, in words
   std::vector<std::string> mapping;  ///< which link drives which, in words
   std::vector<std::string> notes;    ///< what was assumed or left out
 };

@@ -24,6 +24,10 @@ struct Sample {
 /// The same human standing at ease; 4 s, cyclic.
 [[nodiscard]] MeasuredMotion make_human_stand();
 
+/// A person of this height [m], all joints free to move within human ranges, knees and elbows hinges; in the T position. Below 1.6 m
+/// proportions and mass are those of a child whose median height this is. Errors: a height that no growth reaches.
+[[nodiscard]] Result<MechanismPtr> make_person(double height);
+
 /// A shepherd dog, 0.62 m at the withers, 32 kg. In the neutral position it stands, paws on z = 0, below its root's x, y.
 [[nodiscard]] MechanismPtr make_dog();
 /// The dog trotting at 1.35 m/s, diagonal legs together; one stride, cyclic.

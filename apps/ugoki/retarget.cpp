@@ -1,0 +1,185 @@
+// `ugoki retarget`: a motion for another body, animal or robot.
+
+#include "ugoki/retarget/retarget.h"
+
+#include <memory>
+
+#include "motion_files.h"
+#include "output.h"
+#include "sources.h"
+#include "ugoki/base/number.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/samples/samples.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+struct Options {
+  std::string motion, to, mapping, out, mechanism_out;
+  double height = 0, path_scale = 0, gait_phase = 0.5;
+  bool free_feet = false, free_hands = false, balance = false, slow = false, strict = false, json = false;
+  SourceOptions source;
+};
+
+/// A mechanism file, an entry of the library (mechanism, or motion with its mechanism), "dog" or "human" of the project, or a measured file
+/// whose body is meant.
+Result<MechanismPtr> load_target(const Options& o) {
+  if (o.height > 0) return samples::make_person(o.height);
+  if (o.to == "dog") return samples::make_dog();
+  if (o.to == "human") return samples::make_person(1.75);
+  const Result<TargetKind> kind = kind_of(o.to);
+  if (!kind) return fail(kind.error());
+  if (*kind == TargetKind::mechanism_file) {
+    SourceOptions source = o.source;
+    if (source.robot.base.empty()) source.robot.base = "floating";  // what walks is not bolted down
+    Result<intake::Intake> taken = take_in_file(o.to, source);
+    if (!taken) return fail(std::move(taken.error()));
+    return taken->mechanism;
+  }
+  if (*kind == TargetKind::entry) {
+    const Result<store::Library> library = store::Library::open_read_only(library_path(o.source.library));
+    if (!library) return fail(library.error());
+    if (const Result<store::LibraryEntry> entry = library->resolve(o.to, "mechanism")) {
+      const Result<std::vector<std::byte>> data = library->data(entry->id);
+      if (!data) return fail(data.error());
+      return formats::read_mechanism({reinterpret_cast<const char*>(data->data()), data->size()}, "library entry " + entry->id);
+    }
+  }
+  Result<ClipSource> clip = load_clip(o.to, o.source);
+  if (!clip) return fail(std::move(clip.error()));
+  return clip->mechanism;
+}
+
+Result<retarget::RetargetOptions> retarget_options(const Options& o) {
+  retarget::RetargetOptions out;
+  out.keep_contacts = !o.free_feet;
+  out.keep_holds = !o.free_hands;
+  out.path_scale = o.path_scale;
+  out.gait_phase = o.gait_phase;
+  out.slow_down = o.slow;
+  out.balance = o.balance;
+  if (o.mapping.empty()) return out;
+  const Result<std::string> text = files::read_file(o.mapping);
+  if (!text) return fail(text.error());
+  Result<retarget::Mapping> mapping = retarget::read_mapping(*text, o.mapping);
+  if (!mapping) return fail(std::move(mapping.error()));
+  out.mapping = std::move(*mapping);
+  return out;
+}
+
+Json to_json(const retarget::RetargetReport& r) {
+  Json misses = Json::array(), limits = Json::array();
+  for (const retarget::Miss& m : r.misses)
+    misses.push_back({{"link", m.link}, {"most_mm", 1000 * m.most}, {"frame", m.frame}, {"frames", m.frames}});
+  for (const auto& [link, frames] : r.at_limit) limits.push_back({{"link", link}, {"frames", frames}});
+  Json out = {{"scale", r.scale},
+              {"stances", r.stances},
+              {"worst_skate_cm", 100 * r.skate_after},
+              {"worst_skate_without_goals_cm", 100 * r.skate_before},
+              {"root_shift_mm", 1000 * r.greatest_shift},
+              {"root_shift_frame", r.shift_frame},
+              {"misses", misses},
+              {"at_limit", limits},
+              {"slowed", r.slowed},
+              {"holds", r.holds},
+              {"mapping", r.mapping},
+              {"notes", r.notes}};
+  if (!r.margin_link.empty()) out["least_margin"] = {{"link", r.margin_link}, {"value", r.least_margin}};
+  if (r.greatest_speed > 0) out["greatest_speed"] = {{"link", r.speed_link}, {"share", r.greatest_speed}};
+  return out;
+}
+
+void print_report(const retarget::RetargetReport& r) {
+  print_line("Lengths times " + to_fixed(r.scale, 3) + "; " + std::to_string(r.stances) + " stances, the worst slides " +
+             to_fixed(1000 * r.skate_after, 2) + " mm (" + to_fixed(1000 * r.skate_before, 1) + " mm if the feet were left alone).");
+  if (r.greatest_shift > 1e-3)
+    print_line("The root was moved by up to " + to_fixed(1000 * r.greatest_shift, 0) + " mm (frame " + std::to_string(r.shift_frame) +
+               "), so that the feet reach the ground.");
+  if (!r.margin_link.empty())
+    print_line("No joint limit is passed; the nearest is that of " + r.margin_link + ", " + to_text(std::max(0.0, r.least_margin)) +
+               " away.");
+  for (std::size_t i = 0; i < r.at_limit.size() && i < 5; ++i)
+    print_line(r.at_limit[i].first + " is at a limit in " + std::to_string(r.at_limit[i].second) + " frames.");
+  for (const retarget::Miss& m : r.misses)
+    print_line(m.link + " misses its place by up to " + to_fixed(1000 * m.most, 1) + " mm (frame " + std::to_string(m.frame) +
+               "), by more than 1 mm in " + std::to_string(m.frames) + " frames.");
+  for (const std::string& line : r.holds) print_line(line);
+  for (const std::string& line : r.notes) print_line(line);
+  print_line("Which drives which:");
+  for (const std::string& line : r.mapping) print_line("  " + line);
+}
+
+int run_retarget(const Options& o) {
+  const Result<ClipSource> clip = load_clip(o.motion, o.source);
+  if (!clip) return print_error(clip.error(), o.json);
+  const Result<MechanismPtr> target = load_target(o);
+  if (!target) return print_error(target.error(), o.json);
+  const Result<retarget::RetargetOptions> options = retarget_options(o);
+  if (!options) return print_error(options.error(), o.json);
+  const Result<retarget::Retargeted> out = retarget::retarget(clip->mechanism, *clip->motion, *target, *options);
+  if (!out) return print_error(out.error(), o.json);
+  std::vector<std::string> written;
+  if (!o.out.empty()) {
+    const Result<std::string> put = put_motion(**target, out->motion, o.height, o.out, o.source);
+    if (!put) return print_error(put.error(), o.json);
+    written.push_back(*put);
+  }
+  if (!o.mechanism_out.empty()) {
+    if (const Result<void> put = files::write_file(o.mechanism_out, formats::write_mechanism(**target)); !put)
+      return print_error(put.error(), o.json);
+    written.push_back("The mechanism is written to " + o.mechanism_out + ".");
+  }
+  if (o.json) {
+    Json json = to_json(out->report);
+    json["clip"] = clip->name;
+    json["frames"] = out->motion.frames;
+    json["rate"] = out->motion.rate;
+    json["written"] = written;
+    print_json(json);
+  } else {
+    print_report(out->report);
+    for (const std::string& line : written) print_line(line);
+  }
+  return o.strict && !out->report.misses.empty() ? 1 : 0;
+}
+
+}  // namespace
+
+void add_retarget_verb(CLI::App& app, Action& action) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("retarget", "A motion for another body, animal or robot.");
+  verb->add_option("motion", o->motion, "BVH, AMC, C3D, TRC, glTF or GLB file, or a motion of the library")->required();
+  CLI::Option* to = verb->add_option("--to", o->to,
+                                     "For whom: mechanism file (JSON, URDF, SDF, MJCF), measured file, entry of the library, human or dog");
+  CLI::Option* height = verb->add_option("--height", o->height, "For a person of this height in m")->check(CLI::Range(0.8, 5.0));
+  to->excludes(height);
+  verb->add_option("-o,--out", o->out, "Where to: .bvh or .glb file, or the name of a new entry in the library");
+  verb->add_option("--mechanism-out", o->mechanism_out, "Also write the mechanism, as JSON");
+  verb->add_option("--mapping", o->mapping, "JSON file that says which link is what (docs/retarget.md)");
+  verb->add_option("--path-scale", o->path_scale, "Factor of the way over the ground (otherwise by the legs' lengths)")
+      ->check(CLI::Range(0.01, 100.0));
+  verb->add_option("--gait-phase", o->gait_phase,
+                   "Two legs to four: fore legs follow the hind legs of their side by this share of a stride")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  verb->add_flag("--free-feet", o->free_feet, "Feet may slide: joints only");
+  verb->add_flag("--free-hands", o->free_hands, "Hands need not go on holding what they hold");
+  verb->add_flag("--balance", o->balance, "Keep the centre of mass over the standing feet (slow motions)");
+  verb->add_flag("--slow", o->slow, "Slow the motion down until no joint is faster than the mapping allows");
+  verb->add_flag("--strict", o->strict, "Exit status 1 if a standing foot or a holding hand misses its place by more than 1 mm");
+  verb->add_option("--asf", o->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  add_robot_options(*verb, o->source.robot);
+  verb->add_option("--library", o->source.library, "Library (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--json", o->json, "Print one JSON object");
+  verb->footer(
+      "Example:\n  ugoki retarget walk.bvh --height 1.1 -o child.bvh\n  ugoki retarget walk.bvh --to robot.urdf --json\n  ugoki retarget "
+      "walk.bvh --to dog -o dog.glb");
+  verb->callback([o, &action] {
+    if (o->to.empty() && !(o->height > 0)) throw CLI::ValidationError("--to", "or --height says for whom the motion is.");
+    action = [o] { return run_retarget(*o); };
+  });
+}
+
+}  // namespace ugoki::cli

@@ -1,0 +1,46 @@
+// Twenty measured clips to a child, a giant, a robot and a dog.
+
+#include <gtest/gtest.h>
+
+#include "figures.h"
+#include "ugoki/retarget/retarget.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::retarget_test {
+namespace {
+
+const std::vector<std::string> clips = {
+    "human/asf_amc/01_01.amc", "human/asf_amc/02_01.amc", "human/asf_amc/02_02.amc", "human/asf_amc/02_03.amc",
+    "human/asf_amc/02_04.amc", "human/asf_amc/02_05.amc", "human/asf_amc/02_09.amc", "human/asf_amc/03_01.amc",
+    "human/asf_amc/05_01.amc", "human/asf_amc/06_01.amc", "human/asf_amc/07_01.amc", "human/asf_amc/08_01.amc",
+    "human/asf_amc/10_04.amc", "human/asf_amc/16_15.amc", "human/asf_amc/32_01.amc", "human/asf_amc/35_01.amc",
+    "human/asf_amc/38_01.amc", "human/asf_amc/55_04.amc", "human/bvh/131_02.bvh",    "human/bvh/cmu_12_01_walk.bvh"};
+
+void check_all(const MechanismPtr& figure) {
+  if (!figure) GTEST_SKIP() << "The shared data are absent.";
+  for (const std::string& path : clips) {
+    Clip clip;
+    if (!load_clip(path, clip)) GTEST_SKIP() << "The shared data are absent.";
+    const auto out = retarget::retarget(clip.mechanism, clip.motion, figure);
+    ASSERT_TRUE(out) << path << ": " << out.error().text();
+    EXPECT_LE(worst_excess(*figure, out->motion), 0) << path;
+    EXPECT_LT(worst_skate(*figure, out->motion), 0.01) << path;
+    double lost = 0, stood = 0;  // frames in which a foot should stand and does not reach the ground
+    for (const retarget::Miss& miss : out->report.misses)
+      for (const ContactTrack& track : out->motion.contacts)
+        if (track.link == miss.link) lost += miss.frames;
+    for (const ContactTrack& track : out->motion.contacts)
+      for (const std::uint8_t on : track.on) stood += on;
+    EXPECT_LT(lost, 0.05 * stood) << path;
+  }
+}
+
+TEST(Slow_RealClips, Child) { check_all(make_person(1.1)); }
+TEST(Slow_RealClips, Giant) { check_all(make_person(2.4)); }
+TEST(Slow_RealClips, SimpleHumanoid) {
+  check_all(load_robot("mechanism/open_chain/urdf/simple_humanoid_description/urdf/simple_humanoid.urdf"));
+}
+TEST(Slow_RealClips, Dog) { check_all(samples::make_dog()); }
+
+}  // namespace
+}  // namespace ugoki::retarget_test
