@@ -30,11 +30,11 @@ TEST(DisplayFrame, HasTheLayoutOfTheProtocol) {
   frame.characters[1].weight = 700;
   frame.characters[1].centre_of_mass = {13, 14, 15};
   frame.characters[1].links[0] = {{16, 17, 18}, {0.5, -0.5, 0.5, -0.5}};
-  frame.contacts.push_back({{19, 20, 21}, {22, 23, 24}, 1, 2});
+  frame.contacts.push_back({{19, 20, 21}, {22, 23, 24}, {0, 0.6, 0.8}, 1, 2});
   std::vector<std::byte> bytes;
   encode_frame(frame, 75, frame_playing | frame_simulate, bytes);
   const std::size_t head = 64, person = 8 + 12 * 4, link = 7 * 4;
-  ASSERT_EQ(bytes.size(), head + (person + 3 * link) + (person + link) + 32);
+  ASSERT_EQ(bytes.size(), head + (person + 3 * link) + (person + link) + 32 + 12);
   EXPECT_EQ(std::memcmp(bytes.data(), "UKGF", 4), 0);
   EXPECT_EQ(at<std::uint32_t>(bytes, 4), 1u);
   EXPECT_EQ(at<double>(bytes, 8), 1.25);
@@ -43,6 +43,8 @@ TEST(DisplayFrame, HasTheLayoutOfTheProtocol) {
   EXPECT_EQ(at<std::uint32_t>(bytes, 24), 2u);
   EXPECT_EQ(at<std::uint32_t>(bytes, 28), 1u);
   EXPECT_EQ(at<float>(bytes, 44), 4);
+  EXPECT_EQ(at<std::uint32_t>(bytes, 56), 0u);
+  EXPECT_EQ(at<std::uint32_t>(bytes, 60), 1u);
   const std::size_t second = head + person + 3 * link;
   EXPECT_EQ(at<std::uint32_t>(bytes, second), 1u);
   EXPECT_EQ(at<std::uint32_t>(bytes, second + 4), 1u);
@@ -57,6 +59,9 @@ TEST(DisplayFrame, HasTheLayoutOfTheProtocol) {
   EXPECT_EQ(at<float>(bytes, contact + 20), 24);
   EXPECT_EQ(at<std::uint32_t>(bytes, contact + 24), 1u);
   EXPECT_EQ(at<std::uint32_t>(bytes, contact + 28), 2u);
+  EXPECT_EQ(at<float>(bytes, contact + 32), 0);
+  EXPECT_EQ(at<float>(bytes, contact + 36), 0.6f);
+  EXPECT_EQ(at<float>(bytes, contact + 40), 0.8f);
 }
 
 }  // namespace

@@ -200,8 +200,8 @@ Frame parse_frame(std::span<const std::byte> bytes) {
   f.flags = r.take<std::uint32_t>();
   const auto characters = r.take<std::uint32_t>(), contacts = r.take<std::uint32_t>();
   r.take(f.grab);
-  r.take<float>();
-  r.take<float>();
+  const auto pairs = r.take<std::uint32_t>();
+  const bool normals = r.take<std::uint32_t>() == 1;
   for (std::uint32_t c = 0; c < characters && !r.bad(); ++c) {
     Frame::Character& ch = f.characters.emplace_back();
     const auto links = r.take<std::uint32_t>();
@@ -224,6 +224,8 @@ Frame parse_frame(std::span<const std::byte> bytes) {
     contact.character = r.take<std::uint32_t>();
     contact.link = r.take<std::uint32_t>();
   }
+  for (std::uint32_t k = 0; normals && k < 3 * contacts && !r.bad(); ++k) r.take<float>();
+  for (std::uint32_t k = 0; k < 8 * pairs && !r.bad(); ++k) r.take<float>();
   f.good = r.at_end();
   return f;
 }
