@@ -125,11 +125,27 @@ Result<Stance> find_cycle(const Mechanism& m, const Motion& motion, const FootCo
   return best;
 }
 
-Result<Motion> make_cyclic(const Mechanism& m, const Motion& motion, const CycleOptions& o, CycleReport* report) {
-  if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
+namespace {
+
+/// Sets the motion down on the ground, where it stands near it.
+Motion levelled(const Mechanism& m, const Motion& motion, std::span<const FootLimb> feet, const CycleOptions& o, double& raised) {
+  Motion out = motion;
+  if (feet.empty() || o.contacts.find_ground) return out;
+  const double off = o.contacts.ground - find_ground(m, motion, feet);
+  if (std::fabs(off) > o.level * mean_leg_length(feet) / 0.9) return out;
+  raised = off;
+  for (int f = 0; f < out.frames; ++f) displace_root(m, {0, 0, off, 0}, {out.frame(f), at(out.nq)});
+  return out;
+}
+
+}  // namespace
+
+Result<Motion> make_cyclic(const Mechanism& m, const Motion& source, const CycleOptions& o, CycleReport* report) {
+  if (Error wrong = check_motion(source, m); !wrong.empty()) return fail(std::move(wrong));
   if (m.nv() == 0) return fail(ErrorCode::structure, "mechanism " + m.name(), "Nothing of it moves.", "Give a mechanism with joints.");
   CycleReport told;
   std::vector<FootLimb> feet = find_foot_limbs(m);
+  const Motion motion = levelled(m, source, feet, o, told.raised);
   Motion out = motion;
   if (!motion.cyclic) {
     Stance cycle{o.first, o.last};

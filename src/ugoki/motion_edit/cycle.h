@@ -11,6 +11,7 @@ struct CycleOptions {
   double longest = 3;         ///< s
   double ease = 0.15;         ///< s beside the seam in which the difference of velocities goes
   bool lock_feet = true;      ///< feet are locked afterwards
+  double level = 0.06;        ///< m (leg of 0.9 m): a motion whose feet stand at most this far above or below the ground is set down on it
   FootContactOptions contacts;
   FootLockOptions lock;
 };
@@ -19,6 +20,7 @@ struct CycleReport {
   int first = 0, last = 0;   ///< frames of the source
   double seam = 0;           ///< rad, root mean square over the joints, of the difference between the two frames
   bool by_contacts = false;  ///< the cycle is a stride from one touch-down of a foot to the next; otherwise where the poses are most alike
+  double raised = 0;         ///< m, by which the motion was raised to stand on the ground
   FootLockReport feet;
 };
 

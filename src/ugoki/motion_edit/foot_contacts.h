@@ -15,7 +15,7 @@ struct FootContactOptions {
   double height_on = 0.03;      ///< m: a place lower than this ...
   double speed_on = 0.35;       ///< m/s: ... and slower than this starts a contact,
   double height_off = 0.045;    ///< which lasts while a place is below this ...
-  double speed_off = 0.6;       ///< ... and slower than this
+  double speed_off = 0.8;       ///< ... and slower than this
   double span = 0.02;           ///< s on both sides over which speed is measured, whatever the frame rate; at least one frame
   double least_contact = 0.05;  ///< s: shorter contacts are none
   double least_gap = 0.04;      ///< s: shorter gaps are none
