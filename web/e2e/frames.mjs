@@ -1,0 +1,102 @@
+// npm run frames [-- LSIs]: how fast a large circuit is panned, zoomed and edited, in a Chromium that draws everything by the processor
+// (no graphics card is asked: what is measured here is the least that a user gets). It prints, for each act:
+//   fps, worst   of requestAnimationFrame, wall time: true only on a machine that does nothing else
+//   cpu          ms of the page's main thread a frame, by the processor's own count: true on a busy machine too; below 33 leaves room for 30 fps
+import { chromium } from 'playwright-core';
+import { start_service } from './service.mjs';
+
+const lsis = Number(process.argv[2] ?? 10000);
+const service = await start_service();
+const browser = await chromium.launch({
+  executablePath: process.env.UGOKI_CHROMIUM ?? '/usr/bin/chromium',
+  args: ['--headless', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-compositing', '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas', '--no-first-run', '--disable-background-networking'],
+});
+const page = await browser.newPage({ viewport: { width: 1440, height: 900 } });
+const devtools = await page.context().newCDPSession(page);
+await devtools.send('Performance.enable', { timeDomain: 'threadTicks' });
+const cpu = async () => 1000 * (await devtools.send('Performance.getMetrics')).metrics.find((m) => m.name === 'TaskDuration').value;
+
+/** The generated circuit with rows of gains below it, each behind a clock. */
+const set_circuit = (n) => new Promise((resolve) => {
+  const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws${location.search}`);
+  socket.onopen = () => socket.send('{"id":1,"op":"hello"}');
+  socket.onmessage = (message) => {
+    const reply = typeof message.data === 'string' ? JSON.parse(message.data) : {};
+    if (reply.reply === 2) resolve(reply.ok);
+    if (reply.reply !== 1) return;
+    const circuit = structuredClone(reply.generated_circuit);
+    for (let i = 0; i < n; i++) {
+      const column = i % 100;
+      circuit.lsis.push({ id: `g${i}`, type: column === 0 ? 'clock' : 'gain', at: [column * 240, 1600 + Math.floor(i / 100) * 110] });
+      if (column > 0) circuit.wires.push({ from: column === 1 ? `g${i - 1}.time` : `g${i - 1}.out`, to: `g${i}.in` });
+    }
+    socket.send(JSON.stringify({ id: 2, op: 'command', command: { type: 'circuit.set', circuit } }));
+  };
+});
+
+async function measure(what, act) {
+  await page.evaluate(() => {
+    const times = (window.frame_times = []);
+    const note = (now) => {
+      times.push(now);
+      if (window.frame_times === times) requestAnimationFrame(note);
+    };
+    requestAnimationFrame(note);
+  });
+  const before = await cpu();
+  await act();
+  const after = await cpu();
+  const gaps = await page.evaluate(() => {
+    const times = window.frame_times;
+    window.frame_times = null;
+    return times.slice(1).map((t, i) => t - times[i]);
+  });
+  const { far, near, viewport } = await page.evaluate(() => window.ugoki.circuit().facts);
+  const sum = gaps.reduce((a, b) => a + b, 0);
+  console.log(`${what.padEnd(22)} ${String(gaps.length).padStart(4)} frames  ${(1000 * gaps.length / sum).toFixed(0).padStart(3)} fps  worst ${Math.max(...gaps).toFixed(0).padStart(5)} ms  cpu ${((after - before) / gaps.length).toFixed(1).padStart(5)} ms  ${near} LSIs in sight at ${viewport.zoom.toFixed(3)}${far ? '' : ', as elements'}`);
+}
+
+try {
+  await page.goto(service.address, { waitUntil: 'load' });
+  while (!(await page.evaluate(() => window.ugoki?.connected))) await page.waitForTimeout(100);
+  await page.evaluate(set_circuit, lsis);
+  const tab = page.locator('.tab', { hasText: 'Circuit' });
+  await tab.click();
+  await tab.dblclick();
+  await page.waitForTimeout(3000);
+  await page.locator('.circuit[role=application]').focus();
+  const box = await page.locator('.circuit[role=application]').boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height * 0.6];
+  const pan = async () => {
+    await page.mouse.move(x, y);
+    await page.mouse.down({ button: 'middle' });
+    for (let i = 1; i <= 60; i++) await page.mouse.move(x + 350 * Math.sin(i / 9), y + 200 * Math.sin(i / 13));
+    await page.mouse.up({ button: 'middle' });
+  };
+  const zoom = async (steps) => {
+    await page.mouse.move(x, y);
+    for (let i = 0; i < Math.abs(steps); i++) {
+      await page.mouse.wheel(0, steps > 0 ? -120 : 120);
+      await page.waitForTimeout(16);
+    }
+  };
+  await page.keyboard.press('a');
+  await page.waitForTimeout(1500);
+  await measure('pan, all in sight', pan);
+  await measure('zoom in', () => zoom(12));
+  await measure('pan, from afar', pan);
+  await measure('zoom in to elements', () => zoom(10));
+  await measure('pan, elements', pan);
+  await measure('zoom out', () => zoom(-30));
+  const row = await page.evaluate(() => window.ugoki.circuit().lsis.length);
+  for (let i = 0; i < 3; i++) {
+    await page.keyboard.press('ArrowRight');
+    const before = await cpu();
+    await page.keyboard.press('Shift+ArrowRight');
+    await page.waitForTimeout(1500);
+    console.log(`an edit of ${row} LSIs     cpu ${(await cpu() - before).toFixed(1)} ms in all, from the key to the last of what the service told`);
+  }
+} finally {
+  await browser.close();
+  await service.stop();
+}
