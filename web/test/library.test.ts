@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from 'vitest';
 import { LibraryBrowser } from '../src/core/library/browser';
 import { ImportQueue } from '../src/core/library/imports';
-import { format_bytes, format_length, from_service, split_tags } from '../src/core/library/words';
+import { format_bytes, format_length, from_service, key_of, split_tags } from '../src/core/library/words';
 import { format_gap } from '../src/core/format';
 import { decode_frame } from '../src/core/frames';
 import type { LibraryEntry } from '../src/core/protocol';
@@ -137,6 +137,8 @@ describe('words', () => {
   it('take tags apart', () => expect(split_tags(' slow,  on  grass, slow,,')).toEqual(['slow', 'on grass']));
   it('keep both identities of an entry', () => {
     expect(from_service({ id: 'n-1', kind: 'motion', name: 'a', version: 2, content: 'n-9' })).toMatchObject({ id: 'n-9', entry: 'n-1' });
+    const copy = from_service({ id: 'n-2', kind: 'motion', name: 'a copy', version: 1, content: 'n-9' });
+    expect([key_of(copy), copy.id]).toEqual(['n-2', 'n-9']);
     expect(from_service({ id: 'human', kind: 'mechanism', name: 'a' }).entry).toBeUndefined();
   });
 });

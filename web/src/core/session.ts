@@ -260,7 +260,12 @@ export class Session {
 
   /** Entries that were seen somewhere: from now on entry() finds them. */
   know(entries: readonly LibraryEntry[]): void {
-    for (const entry of entries) this.entries.set(entry.id, entry);
+    for (const entry of entries) {
+      if (entry.entry) this.entries.set(entry.entry, entry);
+      const known = this.entries.get(entry.id);
+      // a copy has the data of its original: the original gives them their name
+      if (!known || known.entry === entry.entry || entry.entry === entry.id) this.entries.set(entry.id, entry);
+    }
     if (entries.length > 0) this.set({ library_revision: this.state.library_revision + 1 });
   }
 

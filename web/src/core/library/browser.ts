@@ -1,7 +1,7 @@
 /** The library as it is browsed: search as one types, pages that follow when one scrolls, edits with undo, conflicts. Framework-free. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { RequestError, type LibraryEntry, type ServiceError } from '../protocol';
-import { from_service, tags_of } from './words';
+import { from_service, key_of, tags_of } from './words';
 
 export type KindFilter = 'all' | 'mechanism' | 'motion';
 export type LibraryOrder = 'relevance' | 'name' | 'newest' | 'oldest' | 'longest' | 'shortest';
@@ -138,8 +138,8 @@ export class LibraryBrowser {
     try {
       const page = await this.ask<Page>(this.address(this.next, page_size));
       if (this.running !== before) return; // another search came in between
-      const known = new Set(this.state.entries.map((e) => e.id));
-      const entries = page.entries.map(from_service).filter((e) => !known.has(e.id));
+      const known = new Set(this.state.entries.map(key_of));
+      const entries = page.entries.map(from_service).filter((e) => !known.has(key_of(e)));
       this.next = page.next ?? null;
       this.host.know(entries);
       this.store.setState({ entries: [...this.state.entries, ...entries], more: this.next !== null });

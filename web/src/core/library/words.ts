@@ -38,6 +38,9 @@ export function from_service(entry: LibraryEntry & { content?: string }): Librar
   return { ...rest, id: content ?? entry.id, entry: entry.version === undefined ? undefined : entry.id };
 }
 
+/** What an entry is called in lists and selections: two entries may have the same data. */
+export const key_of = (entry: LibraryEntry): string => entry.entry ?? entry.id;
+
 /** Tags as typed: separated by commas; blanks within one stay. */
 export const split_tags = (text: string): string[] => [...new Set(text.split(',').map((t) => t.trim().replace(/\s+/g, ' ')).filter(Boolean))];
 

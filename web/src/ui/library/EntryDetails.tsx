@@ -1,7 +1,7 @@
 /** What the inspector shows of a library entry: facts, tags, note, versions, and what can be done with it. */
 import { useEffect, useState, type KeyboardEvent, type ReactElement } from 'react';
 import type { EntryVersion } from '../../core/library/browser';
-import { describe_entry, format_bytes, format_length, format_when, split_tags, tags_of } from '../../core/library/words';
+import { describe_entry, format_bytes, format_length, format_when, key_of, split_tags, tags_of } from '../../core/library/words';
 import { format_number } from '../../core/format';
 import type { ScenarioDocument } from '../../core/document';
 import type { LibraryEntry } from '../../core/protocol';
@@ -41,9 +41,9 @@ export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: Scenari
           <button type="button" onClick={() => add_character(entry.mechanism!, undefined, entry.id)}>Add a new character with it</button>
         )}
       </div>
-      {own && !in_trash && <Name key={`${entry.id} ${entry.name}`} entry={entry} />}
+      {own && !in_trash && <Name key={`${key_of(entry)} ${entry.name}`} entry={entry} />}
       <TagEditor entry={entry} />
-      {own && !in_trash && <Note key={`${entry.id} ${entry.note ?? ''}`} entry={entry} />}
+      {own && !in_trash && <Note key={`${key_of(entry)} ${entry.note ?? ''}`} entry={entry} />}
       <h4>Facts</h4>
       {rows.map(([label, value]) => (
         <div key={label} className="field">
@@ -55,7 +55,7 @@ export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: Scenari
       {own && <Versions entry={entry} />}
       {own && !in_trash && (
         <div className="actions">
-          <button type="button" onClick={() => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: made.id }))}>Duplicate</button>
+          <button type="button" onClick={() => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: key_of(made) }))}>Duplicate</button>
           <button type="button" onClick={() => void library.remove(entry)}>Delete</button>
         </div>
       )}

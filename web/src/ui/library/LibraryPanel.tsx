@@ -1,6 +1,7 @@
 /** The library: found as one types, filtered, browsed; files dropped on it are imported. */
 import { useEffect, useLayoutEffect, useMemo, useRef, useState, type DragEvent, type KeyboardEvent, type ReactElement } from 'react';
 import type { KindFilter, LibraryOrder } from '../../core/library/browser';
+import { key_of } from '../../core/library/words';
 import type { LibraryEntry } from '../../core/protocol';
 import { imports, library, parts, session, useLibrary, useStudio } from '../app';
 import { Icon } from '../icons';
@@ -189,7 +190,7 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
     if (more && last >= rows - 6) void library.load_more();
   }, [more, last, rows]);
 
-  const at = entries.findIndex((e) => e.id === chosen);
+  const at = entries.findIndex((e) => key_of(e) === chosen);
   const reveal = (index: number): void => {
     const element = list.current;
     if (!element) return;
@@ -200,7 +201,7 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
   const choose = (index: number): void => {
     const entry = entries[Math.min(entries.length - 1, Math.max(0, index))];
     if (!entry) return;
-    session.select({ kind: 'entry', entry: entry.id });
+    session.select({ kind: 'entry', entry: key_of(entry) });
     reveal(entries.indexOf(entry));
   };
   useEffect(() => {
@@ -218,15 +219,15 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
     else if (event.key === 'Home') choose(0);
     else if (event.key === 'End') choose(entries.length - 1);
     else if (event.key === 'Enter' && entry) use_entry(entry);
-    else if (event.key === 'F2' && entry?.entry) set_renaming(entry.id);
+    else if (event.key === 'F2' && entry?.entry) set_renaming(key_of(entry));
     else if ((event.key === 'Delete' || event.key === 'Backspace') && entry) {
       void library.remove(entry);
       choose(at + 1 < entries.length ? at + 1 : at - 1);
     } else if (command && event.key.toLowerCase() === 'd' && entry) {
-      void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: made.id }));
+      void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: key_of(made) }));
     } else if (event.key === '/') to_search();
     else if ((event.key === 'ContextMenu' || (event.shiftKey && event.key === 'F10')) && entry) {
-      const card = document.getElementById(`entry-${entry.id}`)?.getBoundingClientRect();
+      const card = document.getElementById(`entry-${key_of(entry)}`)?.getBoundingClientRect();
       if (card) set_menu({ entry, x: card.left + 40, y: card.top + 20 });
     } else return;
     event.preventDefault();
@@ -242,16 +243,16 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
         role="listbox"
         tabIndex={0}
         aria-label={`Library, ${total} ${total === 1 ? 'entry' : 'entries'}`}
-        aria-activedescendant={at >= 0 && at >= first * columns && at < last * columns ? `entry-${entries[at]!.id}` : undefined}
+        aria-activedescendant={at >= 0 && at >= first * columns && at < last * columns ? `entry-${key_of(entries[at]!)}` : undefined}
         aria-busy={status === 'loading'}
         onScroll={(e) => set_top(e.currentTarget.scrollTop)}
         onKeyDown={keys}
         onContextMenu={(e) => {
           const id = (e.target as HTMLElement).closest<HTMLElement>('[data-entry]')?.dataset.entry;
-          const entry = entries.find((x) => x.id === id);
+          const entry = entries.find((x) => key_of(x) === id);
           if (!entry) return;
           e.preventDefault();
-          session.select({ kind: 'entry', entry: entry.id });
+          session.select({ kind: 'entry', entry: key_of(entry) });
           set_menu({ entry, x: e.clientX, y: e.clientY });
         }}
       >
@@ -259,14 +260,14 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
           <div className="window" style={{ transform: `translateY(${first * row}px)`, gridTemplateColumns: `repeat(${columns}, minmax(0, 1fr))`, gridAutoRows: row }}>
             {shown.map((entry, i) => (
               <Card
-                key={entry.id}
+                key={key_of(entry)}
                 entry={entry}
                 index={first * columns + i}
                 total={total}
                 grid={grid}
-                selected={entry.id === chosen}
-                renaming={entry.id === renaming}
-                on_select={() => session.select({ kind: 'entry', entry: entry.id })}
+                selected={key_of(entry) === chosen}
+                renaming={key_of(entry) === renaming}
+                on_select={() => session.select({ kind: 'entry', entry: key_of(entry) })}
                 on_renamed={(name) => {
                   set_renaming(null);
                   if (name !== null) void library.rename(entry, name);
@@ -278,7 +279,7 @@ function Entries({ look, import_files, to_search }: { look: 'list' | 'grid'; imp
         </div>
         {entries.length === 0 && <Empty import_files={import_files} />}
       </div>
-      {menu && <EntryMenu menu={menu} rename={() => set_renaming(menu.entry.id)} close={() => set_menu(null)} />}
+      {menu && <EntryMenu menu={menu} rename={() => set_renaming(key_of(menu.entry))} close={() => set_menu(null)} />}
     </>
   );
 }

@@ -1,6 +1,6 @@
 /** One entry in the library's list: its picture, which moves while the pointer rests on it, its name and facts. */
 import { useEffect, useRef, useState, type ReactElement } from 'react';
-import { describe_entry, tags_of } from '../../core/library/words';
+import { describe_entry, key_of, tags_of } from '../../core/library/words';
 import type { LibraryEntry } from '../../core/protocol';
 import { picture_size } from '../../view/preview';
 import { add_character, append_motion } from '../actions';
@@ -32,12 +32,12 @@ interface CardProps {
 
 export function Card({ entry, index, total, grid, selected, renaming, on_select, on_renamed }: CardProps): ReactElement {
   const in_use = useStudio((s) => s.document?.characters.some((c) => (entry.kind === 'mechanism' ? c.mechanism === entry.id : c.track.some((k) => k.motion === entry.id))) ?? false);
-  const dragging = usePage((s) => s.dragged_entry === entry.id);
+  const dragging = usePage((s) => s.dragged_entry === key_of(entry));
   const [over, set_over] = useState(false);
   const tags = tags_of(entry);
   return (
     <div
-      id={`entry-${entry.id}`}
+      id={`entry-${key_of(entry)}`}
       role="option"
       aria-selected={selected}
       aria-setsize={total}
@@ -45,16 +45,16 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
       aria-label={`${entry.name}, ${entry.kind}, ${describe_entry(entry)}${tags.length > 0 ? `, tags ${tags.join(', ')}` : ''}${in_use ? ', in this scenario' : ''}`}
       className={`entry${grid ? ' tile' : ''}${selected ? ' selected' : ''}${dragging ? ' dragging' : ''}`}
       draggable={!renaming}
-      data-entry={entry.id}
+      data-entry={key_of(entry)}
       title={renaming ? undefined : `${entry.name}\nDrag it onto ${entry.kind === 'motion' ? 'a track or a figure' : 'the floor or the scenario'}, or double-click to add it`}
       onPointerEnter={() => set_over(true)}
       onPointerLeave={() => set_over(false)}
       onPointerDown={on_select}
       onDoubleClick={() => !renaming && use_entry(entry)}
       onDragStart={(e) => {
-        e.dataTransfer.setData('application/x-ugoki-entry', entry.id);
+        e.dataTransfer.setData('application/x-ugoki-entry', key_of(entry));
         e.dataTransfer.effectAllowed = 'copy';
-        page.setState({ dragged_entry: entry.id });
+        page.setState({ dragged_entry: key_of(entry) });
         set_over(false);
       }}
       onDragEnd={() => page.setState({ dragged_entry: null })}
@@ -176,7 +176,7 @@ export function entry_actions(entry: LibraryEntry, start_rename: () => void): { 
   return [
     { label: entry.kind === 'mechanism' ? 'Add to the scenario' : 'Put on a track', key: 'Enter', run: () => use_entry(entry), possible: true },
     { label: 'Rename', key: 'F2', run: start_rename, possible: own },
-    { label: 'Duplicate', key: 'Ctrl D', run: () => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: made.id })), possible: own },
+    { label: 'Duplicate', key: 'Ctrl D', run: () => void library.duplicate(entry).then((made) => made && session.select({ kind: 'entry', entry: key_of(made) })), possible: own },
     { label: 'Delete', key: 'Del', run: () => void library.remove(entry), possible: own },
   ];
 }
