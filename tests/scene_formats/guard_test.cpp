@@ -86,7 +86,7 @@ void damage(int rounds) {
   }
   EXPECT_GT(refused, 0);
 }
-TEST(Guard, DamagedFilesAreReadOrRefused) { damage(40); }
+TEST(Guard, DamagedFilesAreReadOrRefused) { damage(12); }
 TEST(Slow_Guard, DamagedFilesAreReadOrRefused) { damage(2000); }
 
 }  // namespace

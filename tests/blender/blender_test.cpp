@@ -1,0 +1,106 @@
+// Blender opens the BVH and GLB that we write and finds every joint where it is: 1e-4 m.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "ugoki/base/number.h"
+#include "ugoki/formats/asf.h"
+#include "ugoki/formats/bvh.h"
+#include "ugoki/formats/gltf.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() {
+    path = (fs::temp_directory_path() / "ugoki-blender-XXXXXX").string();
+    if (::mkdtemp(path.data()) == nullptr) path.clear();
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  std::string path;
+};
+
+std::string text_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// What the script prints after `word`; negative where it does not.
+double number_after(const std::string& output, const std::string& word) {
+  const std::size_t at = output.find(word + " ");
+  return at == std::string::npos ? -1 : std::atof(output.c_str() + at + word.size() + 1);
+}
+
+void expect_blender_agrees(const MeasuredMotion& m) {
+  const Folder folder;
+  ASSERT_FALSE(folder.path.empty());
+  std::string expected = "rate " + to_text(m.rate) + "\n";
+  std::vector<Pose> X(static_cast<std::size_t>(m.joint_count()));
+  int count = 0;
+  for (int k = 0; k < 12; ++k) {
+    const int frame = k * (m.frames - 1) / 11;
+    if (k > 0 && frame == (k - 1) * (m.frames - 1) / 11) continue;
+    expected += "frame " + std::to_string(frame) + "\n";
+    m.calc_joint_poses(frame, X);
+    for (std::size_t j = 0; j < X.size(); ++j) {
+      const Vec3 p = X[j].p;  // Y up, Z forward in the files; Blender turns that into Z up, -Y forward
+      expected += to_text(p.y) + " " + to_text(-p.x) + " " + to_text(p.z) + " " + m.skeleton.joints[j].name + "\n";
+      ++count;
+    }
+  }
+  std::ofstream(folder.path + "/expected.txt") << expected;
+  std::ofstream(folder.path + "/m.bvh") << formats::write_bvh(m, {.metres_per_unit = 1});
+  const std::vector<std::byte> glb = formats::write_glb(m);
+  std::ofstream(folder.path + "/m.glb", std::ios::binary)
+      .write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
+  for (const char* file : {"m.bvh", "m.glb"}) {
+    SCOPED_TRACE(m.name + " " + file);
+    const std::string log = folder.path + "/log";
+    const std::string command = "blender -b --factory-startup --python-exit-code 3 --python " UGOKI_SOURCE_DIR
+                                "/tests/blender/joint_positions.py -- " +
+                                folder.path + "/" + file + " " + folder.path + "/expected.txt > " + log + " 2>&1";
+    const int status = std::system(command.c_str());
+    const std::string output = text_of(log);
+    ASSERT_EQ(status, 0) << output;
+    EXPECT_EQ(number_after(output, "FOUND"), count) << output;
+    const double worst = number_after(output, "WORST");
+    EXPECT_GE(worst, 0);
+    EXPECT_LT(worst, 1e-4) << output;
+    std::printf("%s %s: worst %.3g m\n", m.name.c_str(), file, worst);
+  }
+}
+
+TEST(Slow_Blender, FindsTheJointsOfOurFiles) {
+  if (std::system("blender --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "Blender is not installed";
+  expect_blender_agrees(samples::make_human_walk());
+  const std::string data = UGOKI_SHARED_DATA "/human/";
+  for (const char* name : {"bvh/cmu_12_01_walk.bvh", "bvh/131_02.bvh"}) {
+    const std::string text = text_of(data + name);
+    if (text.empty()) continue;
+    const auto m = formats::read_bvh(text, name);
+    ASSERT_TRUE(m.has_value());
+    expect_blender_agrees(*m);
+  }
+  for (const char* trial : {"02_01", "02_05"}) {
+    const std::string skeleton = text_of(data + "asf_amc/02.asf"), text = text_of(data + "asf_amc/" + trial + ".amc");
+    if (skeleton.empty() || text.empty()) continue;
+    const auto asf = formats::read_asf(skeleton, "02.asf");
+    const auto m = formats::read_amc(text, trial, *asf);
+    ASSERT_TRUE(m.has_value());
+    expect_blender_agrees(*m);
+  }
+}
+
+}  // namespace
+}  // namespace ugoki

@@ -1,0 +1,58 @@
+"""Opens a BVH or GLB file in Blender and prints the greatest distance [m] of any joint from where it should be.
+
+blender -b --factory-startup --python-exit-code 3 --python joint_positions.py -- FILE EXPECTED
+EXPECTED: lines "rate R", then "frame F" and for each joint "x y z name" in Blender's axes, metres.
+"""
+import builtins
+import sys
+
+import numpy
+
+# Blender 3.4 of Debian 12 meets a newer Python and numpy than it was written for.
+_open = builtins.open
+builtins.open = lambda file, mode="r", *a, **k: _open(file, mode.replace("U", "") or "r", *a, **k)
+for name, kind in (("bool", bool), ("object", object), ("int", int), ("float", float)):
+    if name not in numpy.__dict__:
+        setattr(numpy, name, kind)
+
+import bpy  # noqa: E402
+
+path, expected = sys.argv[sys.argv.index("--") + 1 :]
+frames, rate = {}, 30.0
+with _open(expected, encoding="utf-8") as lines:
+    for line in lines:
+        word, rest = line.rstrip("\n").split(" ", 1)
+        if word == "rate":
+            rate = float(rest)
+        elif word == "frame":
+            joints = frames.setdefault(int(rest), {})
+        else:
+            y, z, name = rest.split(" ", 2)
+            joints[name] = (float(word), float(y), float(z))
+
+scene = bpy.context.scene
+scene.render.fps = round(rate)
+scene.render.fps_base = round(rate) / rate
+for thing in list(bpy.data.objects):
+    bpy.data.objects.remove(thing)
+if path.endswith(".bvh"):
+    bpy.ops.import_anim.bvh(filepath=path, frame_start=1)
+    first = 1
+else:
+    bpy.ops.import_scene.gltf(filepath=path)
+    first = 0
+armature = next(o for o in bpy.data.objects if o.type == "ARMATURE")
+worst, where, found = 0.0, "", 0
+for frame, joints in frames.items():
+    scene.frame_set(first + frame)
+    for name, at in joints.items():
+        bone = armature.pose.bones.get(name) or armature.pose.bones.get(name[:63])
+        if bone is None:
+            print("MISSING", name)
+            sys.exit(4)
+        head = armature.matrix_world @ bone.head
+        found += 1
+        distance = sum((a - b) ** 2 for a, b in zip(head, at)) ** 0.5
+        if distance > worst:
+            worst, where = distance, f"{name} in frame {frame}"
+print(f"WORST {worst:.9f} FOUND {found} AT {where}")
