@@ -186,8 +186,10 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
   report.limits = static_cast<int>(solver_.blocks().size() - before);
   if (!solver_.blocks().empty()) {
-    const double coarse = (certain < contacts.size() ? 0.1 : 1.0) * coarse_distance / dt;
-    const SolverReport solved = solver_.solve({options_.iterations, options_.tolerance, coarse, options_.softness});
+    const bool careful = certain < contacts.size();
+    const double coarse = (careful ? 0.1 : 1.0) * coarse_distance / dt;
+    const int iterations = (careful ? 4 : 1) * options_.iterations;
+    const SolverReport solved = solver_.solve({iterations, options_.tolerance, coarse, options_.softness});
     report.sweeps = solved.sweeps;
     report.newton_steps = solved.newton_steps;
     report.islands = solved.islands;

@@ -312,9 +312,9 @@ void VelocitySolver::find_islands() {
 
 void VelocitySolver::solve_island(const Island& island, const SolverOptions& options, SolverReport& report) {
   constexpr int round = 12, most_rounds = 6;  // sweeps before it is asked whether to go on; rounds for which sweeping is the cheaper way
-  constexpr int crowd = 256, coarse_iterations = 96;  // blocks in a step from which on the coarse tolerance will do; sweeps for it
+  constexpr int crowd = 256;                  // blocks in a step from which on the coarse tolerance will do, and half the sweeps
   const bool crowded = static_cast<int>(blocks_.size()) > crowd;
-  const int most = crowded ? std::min(coarse_iterations, options.iterations) : options.iterations;
+  const int most = crowded ? options.iterations / 2 : options.iterations;
   double tolerance = crowded ? std::max(options.coarse, options.tolerance) : options.tolerance;
   bool newton_helps = true;
   double change = 0, before = HUGE_VAL;
