@@ -18,6 +18,8 @@ int main(int argc, char** argv) {
   add_judge_verb(app, action);
   add_lsi_verb(app, action);
   add_circuit_verb(app, action);
+  add_mechanism_verb(app, action);
+  add_convert_verb(app, action);
   add_motion_verb(app, action);
   add_retarget_verb(app, action);
   try {

@@ -17,6 +17,8 @@ void add_run_verb(CLI::App& app, Action& action);
 void add_judge_verb(CLI::App& app, Action& action);
 void add_lsi_verb(CLI::App& app, Action& action);
 void add_circuit_verb(CLI::App& app, Action& action);
+void add_mechanism_verb(CLI::App& app, Action& action);
+void add_convert_verb(CLI::App& app, Action& action);
 void add_motion_verb(CLI::App& app, Action& action);
 void add_retarget_verb(CLI::App& app, Action& action);
 /// `studio`, and the hidden `interpret` that the studio starts for itself.

@@ -1,0 +1,240 @@
+// `ugoki convert`: a file or an entry of the library as a file of another format.
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "mechanism_output.h"
+#include "output.h"
+#include "sources.h"
+#include "ugoki/base/number.h"
+#include "ugoki/files/files.h"
+#include "ugoki/formats/asf.h"
+#include "ugoki/formats/bvh.h"
+#include "ugoki/formats/c3d.h"
+#include "ugoki/formats/csv.h"
+#include "ugoki/formats/gltf.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/trc.h"
+#include "ugoki/motion_edit/to_measured.h"
+#include "verb.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string input, output, mechanism;
+  SourceOptions source;
+  bool positions = false, radians = false, json = false;
+  int decimals = 0;
+};
+
+/// What the input gives; more than one of them may be there.
+struct Content {
+  MechanismPtr mechanism;
+  std::optional<MarkerMotion> markers;
+  std::optional<MeasuredMotion> measured;
+  MotionPtr motion;  ///< of the mechanism
+  bool only_mechanism = false;
+  std::vector<std::string> report;
+};
+
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return ending;
+}
+
+/// Coordinates of a mechanism as CSV.
+Result<Content> load_coordinates(const Options& o, const std::string& text) {
+  if (o.mechanism.empty())
+    return fail(ErrorCode::structure, o.input, "It holds the coordinates of a mechanism, but not the mechanism.",
+                "Name it with --mechanism FILE.");
+  Result<intake::Intake> of = take_in_file(o.mechanism, o.source);
+  if (!of) return fail(std::move(of.error()));
+  formats::ReadNotes notes;
+  Result<Motion> motion = formats::read_csv(text, o.input, *of->mechanism, &notes);
+  if (!motion) return fail(std::move(motion.error()));
+  Content out;
+  out.mechanism = of->mechanism;
+  out.motion = std::make_shared<const Motion>(std::move(*motion));
+  out.report = std::move(notes.remarks);
+  return out;
+}
+
+Result<Content> load(const Options& o) {
+  const Result<TargetKind> kind = kind_of(o.input);
+  if (!kind) return fail(kind.error());
+  Content out;
+  if (*kind == TargetKind::entry) {
+    Result<ClipSource> clip = load_clip(o.input, o.source);
+    if (!clip) return fail(std::move(clip.error()));
+    out.mechanism = clip->mechanism;
+    out.motion = clip->motion;
+    return out;
+  }
+  if (*kind != TargetKind::measured_file && *kind != TargetKind::mechanism_file)
+    return fail(ErrorCode::unsupported, o.input, "This kind of file is not converted.", "Give a motion, a recording or a mechanism.");
+  const std::optional<intake::FileKind> file = intake::file_kind(o.input);
+  const std::string to = ending_of(o.output);
+  const bool marker_output = to == ".c3d" || to == ".trc" || (to == ".csv" && !o.positions);
+  if (file == intake::FileKind::csv || ((file == intake::FileKind::c3d || file == intake::FileKind::trc) && marker_output)) {
+    // Markers stay markers: nothing is solved.
+    const Result<std::string> bytes = files::read_file(o.input);
+    if (!bytes) return fail(bytes.error());
+    if (file == intake::FileKind::csv && formats::csv_kind(*bytes) == formats::CsvKind::coordinates) return load_coordinates(o, *bytes);
+    if (marker_output) {
+      formats::ReadNotes notes;
+      const formats::MarkerOptions marker_options{.metres_per_unit = o.source.intake.unit};
+      const std::span raw(bytes->data(), bytes->size());
+      Result<MarkerMotion> markers = file == intake::FileKind::c3d ? formats::read_c3d(std::as_bytes(raw), o.input, marker_options, &notes)
+                                     : file == intake::FileKind::trc ? formats::read_trc(*bytes, o.input, marker_options, &notes)
+                                                                     : formats::read_csv(*bytes, o.input, marker_options, &notes);
+      if (!markers) return fail(std::move(markers.error()));
+      out.markers = std::move(*markers);
+      out.report = std::move(notes.remarks);
+      return out;
+    }
+  }
+  Result<intake::Intake> taken = take_in_file(o.input, o.source);
+  if (!taken) return fail(std::move(taken.error()));
+  out.mechanism = taken->mechanism;
+  out.measured = std::move(taken->measured);
+  out.markers = std::move(taken->markers);
+  if (taken->motion) out.motion = std::make_shared<const Motion>(std::move(*taken->motion));
+  out.only_mechanism = !out.measured;
+  out.report = std::move(taken->report);
+  return out;
+}
+
+/// Text or bytes of the output, and files beside it.
+struct Written {
+  std::string bytes;
+  std::vector<std::pair<std::string, std::string>> beside;  ///< path, text
+  std::vector<std::string> notes;
+};
+
+Result<Written> write(const Content& c, const Options& o) {
+  const std::string to = ending_of(o.output);
+  const auto lacks = [&](const char* what) {
+    return fail(ErrorCode::structure, o.input, std::string("It holds no ") + what + ", which a " + to + " file needs.",
+                "Choose another format.");
+  };
+  Written out;
+  if (to == ".c3d" || to == ".trc") {
+    if (!c.markers) return lacks("markers");
+    if (to == ".trc") {
+      out.bytes = formats::write_trc(*c.markers, {.decimals = o.decimals > 0 ? o.decimals : 6});
+      if (!c.markers->analog.empty() || !c.markers->events.empty())
+        out.notes.push_back("Analog channels, force platforms and events have no place in TRC and are left out.");
+      return out;
+    }
+    const Result<std::vector<std::byte>> bytes = formats::write_c3d(*c.markers);
+    if (!bytes) return fail(bytes.error());
+    out.bytes.assign(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    return out;
+  }
+  const formats::CsvWriteOptions csv{.decimals = o.decimals, .degrees = !o.radians};
+  if (to == ".csv" && c.markers && !o.positions) {
+    out.bytes = formats::write_csv(*c.markers, csv);
+    if (!c.markers->analog.empty() || !c.markers->events.empty())
+      out.notes.push_back("Analog channels, force platforms and events have no place in CSV and are left out.");
+    return out;
+  }
+  if (to == ".csv" && !o.positions) {
+    if (!c.motion) return lacks("motion");
+    out.bytes = formats::write_csv(*c.motion, *c.mechanism, csv);
+    return out;
+  }
+  std::optional<MeasuredMotion> made;
+  if (!c.measured && c.motion) made = motion_edit::to_measured(*c.mechanism, *c.motion);
+  const MeasuredMotion* measured = c.measured ? &*c.measured : made ? &*made : nullptr;
+  if (!measured) return lacks("motion");
+  if (made) out.notes.push_back("The mechanism's links are the joints; masses and shapes have no place in the format.");
+  if (to == ".csv") {
+    out.bytes = formats::write_csv_positions(*measured, csv);
+  } else if (to == ".bvh") {
+    out.bytes = formats::write_bvh(*measured, {.decimals = o.decimals > 0 ? o.decimals : 8});
+  } else if (to == ".glb") {
+    const std::vector<std::byte> glb = formats::write_glb(*measured);
+    out.bytes.assign(reinterpret_cast<const char*>(glb.data()), glb.size());
+  } else {
+    formats::AmcText text = formats::write_amc(*measured, {.decimals = o.decimals > 0 ? o.decimals : 10});
+    out.bytes = std::move(text.amc);
+    out.beside.emplace_back((fs::path(o.output).parent_path() / intake::skeleton_name_for(fs::path(o.output).filename().string())).string(),
+                            std::move(text.asf));
+    out.notes.insert(out.notes.end(), text.notes.begin(), text.notes.end());
+    if (measured->rate != 120)
+      out.notes.push_back("AMC does not tell the frame rate; import it with --rate " + to_text(measured->rate) + ".");
+  }
+  return out;
+}
+
+int run_convert(const Options& o) {
+  static constexpr const char* motions[] = {".bvh", ".amc", ".glb", ".csv", ".c3d", ".trc"};
+  static constexpr const char* mechanisms[] = {".json", ".urdf", ".xml", ".mjcf"};
+  const std::string to = ending_of(o.output);
+  const bool mechanism = std::ranges::find(mechanisms, to) != std::end(mechanisms);
+  if (!mechanism && std::ranges::find(motions, to) == std::end(motions))
+    return print_error(Error(ErrorCode::unsupported, o.output, "Files of this ending are not written.",
+                             "Motions: .bvh, .amc (with .asf), .glb, .csv, .c3d, .trc. Mechanisms: .json, .urdf, .xml (MJCF)."),
+                       o.json);
+  Result<Content> content = load(o);
+  if (!content) return print_error(content.error(), o.json);
+  std::vector<std::string> report = std::move(content->report), beside;
+  if (mechanism) {
+    if (!content->mechanism)
+      return print_error(Error(ErrorCode::structure, o.input, "It holds no mechanism.", "Choose another format."), o.json);
+    const Result<std::vector<std::string>> notes = write_mechanism_file(*content->mechanism, o.output);
+    if (!notes) return print_error(notes.error(), o.json);
+    report.insert(report.end(), notes->begin(), notes->end());
+  } else {
+    const Result<Written> written = write(*content, o);
+    if (!written) return print_error(written.error(), o.json);
+    for (const auto& [path, text] : written->beside) {
+      if (Result<void> done = files::write_file(path, text); !done) return print_error(done.error(), o.json);
+      beside.push_back(path);
+    }
+    if (Result<void> done = files::write_file(o.output, written->bytes); !done) return print_error(done.error(), o.json);
+    report.insert(report.end(), written->notes.begin(), written->notes.end());
+  }
+  if (o.json) {
+    print_json({{"file", o.output}, {"beside", beside}, {"report", report}});
+    return 0;
+  }
+  print_line(o.output + " is written.");
+  for (const std::string& path : beside) print_line(path + " belongs to it.");
+  for (const std::string& line : report) print_line(line);
+  return 0;
+}
+
+}  // namespace
+
+void add_convert_verb(CLI::App& app, Action& action) {
+  auto o = std::make_shared<Options>();
+  CLI::App* verb = app.add_subcommand("convert", "Write a motion, a recording or a mechanism in another format.");
+  verb->add_option("input", o->input, "A file, or a motion of the library")->required();
+  verb->add_option("output", o->output,
+                   "Motions: .bvh, .amc (and its .asf), .glb, .csv; markers: .c3d, .trc, .csv; mechanisms: .json, .urdf, .xml")
+      ->required();
+  verb->add_option("--decimals", o->decimals, "Digits after the point (otherwise as many as the format's readers need)")
+      ->check(CLI::Range(1, 15));
+  verb->add_flag("--positions", o->positions, "CSV: world positions of the joints instead of coordinates");
+  verb->add_flag("--radians", o->radians, "CSV: angles in rad instead of degrees");
+  verb->add_option("--mechanism", o->mechanism, "The mechanism to which the coordinates of a CSV file belong");
+  verb->add_option("--unit", o->source.intake.unit, "Metres per unit of length of the input (otherwise as it says, or guessed)")
+      ->check(CLI::Range(1e-6, 1000.0));
+  verb->add_option("--rate", o->source.intake.rate, "Frames a second of AMC files, which do not tell")
+      ->check(CLI::Range(1.0, 10000.0))
+      ->capture_default_str();
+  verb->add_option("--asf", o->source.asf, "Skeleton of AMC files (otherwise NN.asf beside NN_MM.amc)");
+  add_robot_options(*verb, o->source.robot);
+  verb->add_option("--library", o->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
+  verb->add_flag("--json", o->json, "Print one JSON object");
+  verb->footer("Example:\n  ugoki convert walk.fbx walk.bvh\n  ugoki convert 02_01.c3d markers.csv\n  ugoki convert robot.urdf robot.xml");
+  verb->callback([o, &action] { action = [o] { return run_convert(*o); }; });
+}
+
+}  // namespace ugoki::cli

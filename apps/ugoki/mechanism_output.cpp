@@ -1,0 +1,33 @@
+#include "mechanism_output.h"
+
+#include <filesystem>
+
+#include "ugoki/files/files.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/robot_formats/robot_writer.h"
+
+namespace ugoki::cli {
+
+Result<std::vector<std::string>> write_mechanism_file(const Mechanism& mechanism, const std::string& path) {
+  const std::filesystem::path file(path);
+  const std::string ending = file.extension().string();
+  robot_formats::RobotText out;
+  if (ending == ".json")
+    out.text = formats::write_mechanism(mechanism);
+  else if (ending == ".urdf")
+    out = robot_formats::write_urdf(mechanism, file.stem().string());
+  else if (ending == ".xml" || ending == ".mjcf")
+    out = robot_formats::write_mjcf(mechanism);
+  else
+    return fail(ErrorCode::unsupported, path, "Mechanisms are not written to files of this ending.",
+                "Name a .json, .urdf or .xml (MJCF) file.");
+  for (const robot_formats::SideFile& beside : out.files) {
+    const std::string place = (file.parent_path() / beside.name).string();
+    if (Result<void> done = files::write_file(place, beside.text); !done) return fail(std::move(done.error()));
+    out.notes.push_back("Beside it: " + beside.name + ".");
+  }
+  if (Result<void> done = files::write_file(path, out.text); !done) return fail(std::move(done.error()));
+  return std::move(out.notes);
+}
+
+}  // namespace ugoki::cli
