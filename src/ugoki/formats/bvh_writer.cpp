@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 
 #include "ugoki/base/number.h"
 #include "ugoki/formats/bvh.h"
@@ -63,6 +64,19 @@ class Writer {
   void add_number(double value) {
     char buffer[400];
     if (!std::isfinite(value)) value = 0;
+    if (const double steps = std::round(value * scale_); std::fabs(steps) < 9e15) {  // a whole number of last digits
+      const auto all = static_cast<std::uint64_t>(std::fabs(steps)), unit = static_cast<std::uint64_t>(scale_);
+      if (steps < 0) out_ += '-';
+      char* end = std::to_chars(buffer, buffer + sizeof buffer, all / unit).ptr;
+      if (std::uint64_t rest = all % unit; rest > 0) {
+        *end = '.';
+        for (int i = decimals_; i > 0; --i, rest /= 10) end[i] = static_cast<char>('0' + rest % 10);
+        end += decimals_ + 1;
+        while (end[-1] == '0') --end;
+      }
+      out_.append(buffer, end);
+      return;
+    }
     auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals_);
     while (end[-1] == '0') --end;
     if (end[-1] == '.') --end;
@@ -176,6 +190,7 @@ class Writer {
     const double pole = 0.25 * (pi / 180) / scale_;
     const double a0 = jk * jk + kk * kk > pole * pole ? atan2(-sign * jk, kk) * (180 / pi) : last.x;
     const Vec3 one = solve(R, i, j, k, sign, a0, last);
+    if (distance(one, last) <= 90) return one;  // the other's outer angle alone is 90 degrees or more away
     const Vec3 two = solve(R, i, j, k, sign, a0 + 180, last);
     return distance(one, last) <= distance(two, last) ? one : two;
   }
