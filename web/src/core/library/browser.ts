@@ -249,10 +249,10 @@ export class LibraryBrowser {
     this.undone = []; // taking back is no step of its own
     await last.undo();
     this.undone = kept;
-    this.store.setState({ done: null });
+    this.store.setState({ done: kept[kept.length - 1] ?? null });
   }
 
-  /** Hides the line that tells what was done; it can still be taken back with the key. */
+  /** Hides the line that tells what was done; from then on the key takes back what was done elsewhere. */
   forget_done(): void {
     this.store.setState({ done: null });
   }

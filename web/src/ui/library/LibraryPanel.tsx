@@ -63,7 +63,7 @@ export function LibraryPanel(): ReactElement {
         void files_of(e.dataTransfer).then((all) => imports.add(all));
       }}
       onKeyDown={(e) => {
-        if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === 'z' && !e.shiftKey && (e.target as HTMLElement).tagName !== 'INPUT') {
+        if ((e.ctrlKey || e.metaKey) && e.key.toLowerCase() === 'z' && !e.shiftKey && (e.target as HTMLElement).tagName !== 'INPUT' && library.state.done) {
           e.preventDefault();
           e.stopPropagation();
           void library.undo();

@@ -10,6 +10,7 @@ import { figure_color, moving, picture, preview_renderer, want_picture } from '.
 
 /** Puts an entry where a double click would: a mechanism on the floor, a motion at the end of a track that it fits. */
 export function use_entry(entry: LibraryEntry): void {
+  library.forget_done(); // what is undone next is this
   if (entry.kind === 'mechanism') return add_character(entry.id);
   const { selection, document } = session.state;
   const chosen = selection.kind === 'character' || selection.kind === 'clip' ? selection.character : undefined;
@@ -57,7 +58,10 @@ export function Card({ entry, index, total, grid, selected, renaming, on_select,
         page.setState({ dragged_entry: key_of(entry) });
         set_over(false);
       }}
-      onDragEnd={() => page.setState({ dragged_entry: null })}
+      onDragEnd={(e) => {
+        page.setState({ dragged_entry: null });
+        if (e.dataTransfer.dropEffect !== 'none') library.forget_done();
+      }}
     >
       <span className="thumb">
         <Still entry={entry} />
