@@ -166,6 +166,25 @@ TEST_P(Export, ParametersTextsAndChoicesWorkInIt) {
   }
 }
 
+/// A damped oscillator in closed form; the FMU is of integrators with small steps.
+TEST_P(Export, TheExampleOfTwoPendulumsSwings) {
+  const std::string folder = std::string(UGOKI_SOURCE_DIR) + "/examples/fmu/";
+  const std::string fmu = exported(text_of(folder + "pendulum.json"), 0.001);
+  check(fmu);
+  const auto live = library(fmu);
+  auto i = build(parse(text_of(folder + "two_pendulums.json")), live, 0.001);
+  ASSERT_TRUE(i) << i.error().text();
+  double widest = 0;
+  for (int n = 1; n <= 2000; ++n) {
+    ASSERT_TRUE(i->tick()) << i->stopped()->text();
+    widest = std::max(widest, std::fabs(value(*i, "second.angle")));
+    const double t = 0.001 * n, decay = 0.05, omega = std::sqrt(9.81 - decay * decay);
+    const double angle = 0.2 * std::exp(-decay * t) * (std::cos(omega * t) + decay / omega * std::sin(omega * t));
+    ASSERT_NEAR(value(*i, "first.angle"), angle, 0.2 * 9.81 * 0.001 * t + 1e-4) << n;  // the integrators' error of first order
+  }
+  EXPECT_GT(widest, 0.05);
+}
+
 TEST_P(Export, SeveralTicksMakeACommunicationStep) {
   const auto live = library(exported(pendulum, 0.001));
   auto own = Interpreter::build(parse(pendulum), lsi::standard_library(), nullptr, {.dt = 0.001});

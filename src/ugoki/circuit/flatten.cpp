@@ -207,7 +207,7 @@ class Flattener {
     problem(ErrorCode::unknown, std::move(place),
             "The LSI '" + type.substr(slash + 1) + "' of the library '" + library + "' (used as '" + id +
                 "') is missing: " + (other ? "the installed '" + library + "' does not have it." : "the library is not installed."),
-            "Install it with `ugoki lsi install " + library + ".so`, or replace '" + id + "'; the circuit keeps it until then.");
+            "Install it with `ugoki lsi install " + library + ".so` (or .fmu), or replace '" + id + "'; the circuit keeps it until then.");
   }
 
   /// Parameters given to a circuit, as parameters of what is inside.

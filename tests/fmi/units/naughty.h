@@ -42,8 +42,8 @@ static int model_step(struct Instance* self, struct Model* m, double now, double
     case 5: say(self, FATAL, "The house is on fire."); return FATAL;
     case 6: *reached = now + size / 4; return DISCARD;
     case 7: {
-      volatile int zero = 0;
-      m->out = 1 / zero;
+      volatile int one = 1, zero = 0;
+      m->out = one / zero;
       return OK;
     }
     case 8: *reached = now + size / 2; return OK;

@@ -1,0 +1,148 @@
+// FMUs, as a user meets them: exported, looked at, installed by consent, run in a guarded process, named when they misbehave.
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.h"
+#include "ugoki/fmi/archive.h"
+
+namespace ugoki::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class FmuCliTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "ugoki-fmu-cli-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  Output ugoki(const std::vector<std::string>& arguments) const { return run_program(arguments, {"UGOKI_LSI=" + folder_ + "/shelf"}); }
+  Json json(std::vector<std::string> arguments) const {
+    arguments.emplace_back("--json");
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 0) << o.out << o.err;
+    Json j = Json::parse(o.out, nullptr, false);
+    EXPECT_FALSE(j.is_discarded()) << o.out;
+    return j;
+  }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
+    return folder_ + "/" + name;
+  }
+  static std::string read(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    std::ostringstream out;
+    out << in.rdbuf();
+    return out.str();
+  }
+  /// @return the error's text
+  std::string fails(const std::vector<std::string>& arguments) const {
+    const Output o = ugoki(arguments);
+    EXPECT_EQ(o.status, 1) << o.out;
+    return o.err;
+  }
+  std::string naughty(int version) const {
+    const std::string number = std::to_string(version);
+    const auto bytes = fmi::write_archive(
+        {{"modelDescription.xml", read(std::string(UGOKI_SOURCE_DIR) + "/tests/fmi/units/naughty.fmi" + number + ".xml")},
+         {version == 2 ? "binaries/linux64/naughty.so" : "binaries/x86_64-linux/naughty.so",
+          read(std::string(UGOKI_UNITS) + "/ugoki_unit_naughty_" + number + ".so")}},
+        "naughty");
+    EXPECT_TRUE(bytes);
+    return write("naughty" + number + ".fmu", *bytes);
+  }
+  std::string folder_;
+};
+
+constexpr const char* oscillator = R"({"version": 1, "name": "oscillator",
+  "inputs": [{"name": "push", "type": "scalar", "to": "sum.b"}], "outputs": [{"name": "x", "type": "scalar", "unit": "m", "from": "x.out"}],
+  "parameters": [{"name": "stiffness", "to": "pull.gain"}],
+  "lsis": [{"id": "x", "type": "integrator", "parameters": {"initial": 1}}, {"id": "v", "type": "integrator"}, {"id": "pull", "type": "gain", "parameters": {"gain": -4}}, {"id": "sum", "type": "add"}],
+  "wires": [{"from": "v.out", "to": "x.in"}, {"from": "x.out", "to": "pull.in"}, {"from": "pull.out", "to": "sum.a"}, {"from": "sum.out", "to": "v.in"}]})";
+
+TEST_F(FmuCliTest, ExportedInstalledRunAndRemoved) {
+  const std::string circuit = write("oscillator.json", oscillator);
+  const std::string user = write("user.json", R"({"version": 1, "name": "user", "outputs": [{"name": "y", "type": "scalar", "from": "u.x"}],
+      "lsis": [{"id": "u", "type": "oscillator/oscillator", "parameters": {"stiffness": -9}}]})");
+  for (const char* version : {"2", "3"}) {
+    const std::string fmu = folder_ + "/oscillator.fmu";
+    const Json made = json({"circuit", "export-fmu", circuit, fmu, "--fmi", version, "--dt", "0.01"});
+    EXPECT_EQ(made["inputs"], Json({"push"}));
+    EXPECT_EQ(made["outputs"], Json({"x"}));
+    EXPECT_EQ(made["parameters"], Json({"stiffness"}));
+
+    const Json info = json({"info", fmu});
+    EXPECT_EQ(info["fmi"], std::string(version) + ".0");
+    EXPECT_EQ(info["runs_here"], true);
+    EXPECT_EQ(info["variables"].size(), 3u);
+    EXPECT_NE(ugoki({"info", fmu}).out.find("oscillator"), std::string::npos);
+
+    EXPECT_NE(fails({"circuit", "run", user}).find("the library is not installed"), std::string::npos);
+    EXPECT_NE(fails({"lsi", "install", fmu}).find("needs your consent"), std::string::npos);
+    EXPECT_NE(fails({"lsi", "install", fmu, "--hash", std::string(64, '0')}).find("not the one you gave"), std::string::npos);
+    const Json installed = json({"lsi", "install", fmu, "--yes"});
+    EXPECT_EQ(installed["name"], "oscillator");
+    fs::remove(fmu);
+    EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 1u);
+
+    const Json ran = json({"circuit", "run", user, "--dt", "0.01", "--duration", "1"});
+    const Json own = json({"circuit", "run", circuit, "--dt", "0.01", "--duration", "1", "--set", "pull.gain=-9"});
+    EXPECT_EQ(ran["outputs"]["y"], own["outputs"]["x"]);
+
+    // What stands on the shelf is what was agreed to.
+    for (const auto& e : fs::directory_iterator(folder_ + "/shelf"))
+      if (e.path().extension() == ".fmu") {
+        std::ofstream(e.path(), std::ios::binary | std::ios::app) << "x";
+        EXPECT_NE(ugoki({"circuit", "run", user}).err.find("not the one that was installed"), std::string::npos);
+      }
+    EXPECT_EQ(ugoki({"lsi", "remove", "oscillator"}).status, 0);
+    EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 0u);
+    EXPECT_TRUE(fs::is_empty(folder_ + "/shelf"));
+  }
+}
+
+TEST_F(FmuCliTest, OneThatCrashesHangsOrFailsIsNamed) {
+  for (const int version : {2, 3}) {
+    const std::string fmu = naughty(version);
+    const auto run = [&](int deed) {
+      const std::string circuit =
+          write("deed.json", R"({"version": 1, "name": "deed", "lsis": [{"id": "culprit", "type": "naughty", "values": {"deed": )" +
+                                 std::to_string(deed) + "}}]}");
+      return fails({"circuit", "run", circuit, "--lsi", fmu, "--dt", "0.1", "--patience", "0.6"});
+    };
+    EXPECT_NE(run(1).find("'culprit' (LSI 'naughty/naughty' of library 'naughty') used a null pointer (SIGSEGV) at 0.000 s (tick 0)"),
+              std::string::npos);
+    EXPECT_NE(run(2).find("'culprit' (LSI 'naughty/naughty' of library 'naughty') did not come back within 0.6 s"), std::string::npos);
+    EXPECT_NE(run(7).find("divided a whole number by zero"), std::string::npos);
+    EXPECT_NE(run(3).find("Number 0 of its output 'out' is not finite"), std::string::npos);
+    const std::string error = run(4);
+    EXPECT_NE(error.find("The FMU reports an error in its step: The gear is broken"), std::string::npos) << error;
+    EXPECT_NE(error.find("'culprit' says: error: The gear is broken"), std::string::npos) << error;
+  }
+}
+
+TEST_F(FmuCliTest, WhatIsNoGoodIsRefusedWithASentence) {
+  EXPECT_NE(fails({"info", write("a.fmu", "no zip")}).find("is no zip"), std::string::npos);
+  EXPECT_NE(fails({"lsi", "install", write("b.fmu", "PK\x03\x04 and rubbish"), "--yes"}).find("no zip, or it is cut off or damaged"),
+            std::string::npos);
+  const auto bytes = fmi::write_archive({{"readme.txt", "x"}}, "x");
+  ASSERT_TRUE(bytes);
+  EXPECT_NE(fails({"lsi", "install", write("c.fmu", *bytes), "--yes"}).find("no modelDescription.xml"), std::string::npos);
+  const std::string circuit = write(
+      "loop.json",
+      R"({"version": 1, "name": "x", "outputs": [{"name": "y", "type": "scalar", "from": "a.out"}], "lsis": [{"id": "a", "type": "gain"}]})");
+  EXPECT_NE(fails({"circuit", "export-fmu", circuit, folder_ + "/x.fmu"}).find("Nothing is wired to 'a.in'"), std::string::npos);
+  EXPECT_FALSE(fs::exists(folder_ + "/x.fmu"));
+}
+
+}  // namespace
+}  // namespace ugoki::cli
