@@ -128,7 +128,7 @@ class FakeSimulation final : public Simulation {
       character.centre_of_mass = {x[c], 0, 1};
       for (int l = 0; l < cast_[c].links; ++l) character.links.push_back({{x[c], static_cast<double>(l), 1}, axis_angle({0, 0, 1}, 0.5)});
     }
-    if (!cast_.empty()) frame.contacts.push_back({{1, 2, 3}, {0, 0, 700}, 0, 0});
+    if (!cast_.empty()) frame.contacts.push_back({{1, 2, 3}, {0, 0, 700}, {0, 0, 1}, 0, 0});
     content::encode_frame(frame, 0, 0, out);
   }
 

@@ -165,6 +165,29 @@ TEST_F(PluginFaultsTest, AWrongInterfaceIsRefusedAndNamedWhereItIsUsed) {
   EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
 }
 
+TEST_F(PluginFaultsTest, ALibraryBuiltAnewIsTakenOverWhileItRunsAndItsValuesAreSeen) {
+  install(faulty);
+  start();
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(use("good"))["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "watch"}, {"pins", {"x.out"}}, {"probes", {"clock.time"}}, {"timing", true}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}, {"speed", 0.2}})["ok"], true);
+  const auto factor = [](const json& e) { return e["pins"][0][2][0].get<double>() / e["time"].get<double>(); };
+  const json before = p.event("values", [](const json& e) { return e["time"] > 0.1; });
+  ASSERT_FALSE(before.is_null());
+  EXPECT_NEAR(factor(before), 2, 0.1);
+  install("/// @library faulty\ndouble good(double t) { return -10 * t; }\n");
+  const json after = p.event("values", [&](const json& e) { return factor(e) < -9; });
+  ASSERT_FALSE(after.is_null());
+  EXPECT_NEAR(factor(after), -10, 0.2);
+  EXPECT_GT(after["time"], before["time"]) << "it goes on where it was";
+  const json timed = p.event("values", [](const json& e) { return e.contains("times") && e.contains("probes"); });
+  ASSERT_FALSE(timed.is_null());
+  EXPECT_GT(timed["tick_us"], 0) << "what it is watched for is watched on";
+}
+
 TEST_F(PluginFaultsTest, LibrariesAreSeenWithoutARestartAndARepairIsTakenUp) {
   start();
   Page p = page();

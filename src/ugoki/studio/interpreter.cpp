@@ -201,7 +201,9 @@ Result<void> Interpreter::restart() {
 
 std::vector<std::string> Interpreter::change_library() {
   if (!simulation_) return {"The installed LSIs changed."};
+  watch_.attach(nullptr);  // what it looks at is in the circuit that goes
   Result<std::vector<std::string>> told = simulation_->change_library();
+  watch_.attach(simulation_->circuit());
   if (!told) return {"The installed LSIs changed and no longer fit the content, which goes on with the old ones. " + told.error().text()};
   if (blown_up_) {  // what stopped it may be mended: it can go on from the last good state
     blown_up_ = false;
