@@ -41,11 +41,6 @@ Result<std::unique_ptr<LibraryBody>> body_on(std::unique_ptr<Connection> connect
   return body;
 }
 
-/// Whether this SQLite has FTS5 and the library an index for it.
-bool has_full_text(Connection& connection) {
-  return connection.query("SELECT rowid FROM entry_text WHERE entry_text MATCH 'a' LIMIT 1").has_value();
-}
-
 Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
   std::error_code ignored;
   const fs::path file(path);
@@ -63,10 +58,7 @@ Result<std::unique_ptr<LibraryBody>> open_file(const std::string& path) {
     if (Result<void> done = database->run(pragma); !done) return fail(std::move(done.error()));
   std::unique_ptr<Connection> connection = sqlite_connection(std::move(*database));
   if (Result<void> done = migrate_library(*connection); !done) return fail(std::move(done.error()));
-  const bool full_text = has_full_text(*connection);
-  Result<std::unique_ptr<LibraryBody>> body = body_on(std::move(connection));
-  if (body) (*body)->full_text = full_text;
-  return body;
+  return body_on(std::move(connection));
 }
 
 Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path) {
@@ -82,11 +74,7 @@ Result<std::unique_ptr<LibraryBody>> open_file_read_only(const std::string& path
   }
   for (const char* pragma : {"PRAGMA busy_timeout = 10000", "PRAGMA cache_size = -131072"})
     if (Result<void> done = database->run(pragma); !done) return fail(std::move(done.error()));
-  std::unique_ptr<Connection> connection = sqlite_connection(std::move(*database));
-  const bool full_text = has_full_text(*connection);
-  Result<std::unique_ptr<LibraryBody>> body = body_on(std::move(connection));
-  if (body) (*body)->full_text = full_text;
-  return body;
+  return body_on(sqlite_connection(std::move(*database)));
 }
 
 Result<std::unique_ptr<LibraryBody>> open_server(const std::string& address, bool read_only) {
@@ -122,7 +110,7 @@ Result<LibraryOrder> library_order_named(std::string_view name) {
       {"oldest", LibraryOrder::oldest},       {"longest", LibraryOrder::longest}, {"shortest", LibraryOrder::shortest}};
   for (const auto& [known, order] : orders)
     if (known == name) return order;
-  return fail(ErrorCode::unknown, "order", "There is no order '" + std::string(name) + "'.",
+  return fail(ErrorCode::range, "order", "There is no order '" + std::string(name) + "'.",
               "Use relevance, name, newest, oldest, longest or shortest.");
 }
 

@@ -10,7 +10,6 @@ namespace ugoki::store {
 struct LibraryBody {
   std::unique_ptr<Connection> connection;
   std::string author;
-  bool full_text = true;              ///< false: an SQLite without FTS5 at hand; find() then compares texts
   std::size_t few = counted_at_most;  ///< so many entries are found by the index and sorted; for more, find() reads in order
 
   [[nodiscard]] const std::string& place() const { return connection->place(); }

@@ -133,13 +133,11 @@ Result<LibraryCheck> Library::check(bool repair, const std::function<void(double
       connection.dialect().postgres
           ? "SELECT e.id FROM entry e WHERE e.removed IS NULL AND NOT EXISTS (SELECT 1 FROM entry_text t WHERE t.entry = e.no) LIMIT 20"
           : "SELECT e.id FROM entry e WHERE e.removed IS NULL AND NOT EXISTS (SELECT 1 FROM entry_text t WHERE t.rowid = e.no) LIMIT 20";
-  if (body_->full_text) {
-    const Result<Rows> rows = connection.query(unfound);
-    if (!rows) return fail(rows.error());
-    for (std::size_t r = 0; r < rows->size(); ++r)
-      out.problems.add(ErrorCode::structure, path(), "The search cannot find entry " + rows->text(r, 0) + ".",
-                       "Run `ugoki db check --repair`.");
-  }
+  const Result<Rows> rows = connection.query(unfound);
+  if (!rows) return fail(rows.error());
+  for (std::size_t r = 0; r < rows->size(); ++r)
+    out.problems.add(ErrorCode::structure, path(), "The search cannot find entry " + rows->text(r, 0) + ".",
+                     "Run `ugoki db check --repair`.");
   return out;
 }
 

@@ -112,7 +112,7 @@ class Search {
     }
     const bool filtered = !phrases_.empty() || !tags_.empty();
     std::size_t fit = body_.few + 1;
-    if (filtered && body_.full_text && !query_.removed) {
+    if (filtered && !query_.removed) {
       Result<std::size_t> counted = count_matches(false);
       if (!counted) return fail(std::move(counted.error()));
       fit = *counted;
