@@ -549,6 +549,7 @@ void Interpreter::report_transport() {
 }
 
 void Interpreter::report_summary() {
+  touches_told_ = 0;
   summary_reported_ = seconds_();
   summary_due_ = false;
   const std::vector<CastMember>& cast = simulation_->cast();
