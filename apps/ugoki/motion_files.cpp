@@ -10,6 +10,8 @@
 #include "ugoki/formats/gltf.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
+#include "ugoki/motion_edit/edit.h"
+#include "ugoki/motion_edit/feet.h"
 #include "ugoki/motion_edit/to_measured.h"
 #include "ugoki/retarget/retarget.h"
 
@@ -34,6 +36,18 @@ bool same_skeleton(const Skeleton& a, const Skeleton& b) {
     if (a.joints[i].name != b.joints[i].name || a.joints[i].parent != b.joints[i].parent ||
         norm(a.joints[i].offset - b.joints[i].offset) > 1e-6)
       return false;
+  return true;
+}
+
+/// The same joints, whose bones point the same ways at rest: rotations mean the same on both, only lengths differ.
+bool same_build(const Skeleton& a, const Skeleton& b) {
+  if (a.joints.size() != b.joints.size()) return false;
+  for (std::size_t i = 0; i < a.joints.size(); ++i) {
+    const SkeletonJoint &j = a.joints[i], &k = b.joints[i];
+    if (j.name != k.name || j.parent != k.parent) return false;
+    const double lengths = norm(j.offset) * norm(k.offset);
+    if (j.parent >= 0 && lengths > 1e-4 && dot(j.offset, k.offset) < 0.94 * lengths) return false;
+  }
   return true;
 }
 
@@ -104,6 +118,16 @@ Result<MotionSet> load_motions(const std::vector<std::string>& targets, const So
     const ClipSource& clip = all[i].clip;
     if (body && all[i].measured && same_skeleton(all[i].measured->skeleton, all[0].measured->skeleton)) {
       out.motions.push_back(body::to_motion(*body, *all[i].measured));
+    } else if (body && all[i].measured && same_build(all[i].measured->skeleton, all[0].measured->skeleton)) {
+      const double own = motion_edit::mean_leg_length(motion_edit::find_foot_limbs(*clip.mechanism)),
+                   ours = motion_edit::mean_leg_length(motion_edit::find_foot_limbs(*out.mechanism));
+      const double factor =
+          own > 0 && ours > 0 ? ours / own : rest_height(all[0].measured->skeleton) / rest_height(all[i].measured->skeleton);
+      Result<Motion> scaled = motion_edit::scale(*out.mechanism, body::to_motion(*body, *all[i].measured), {.length = factor});
+      if (!scaled) return fail(std::move(scaled.error()));
+      out.motions.push_back(std::move(*scaled));
+      out.report.push_back(clip.name + " was made for a body with the same joints; its way is scaled to the legs of " + all[0].clip.name +
+                           ", times " + to_fixed(factor, 3) + ".");
     } else if (same_mechanism(*clip.mechanism, *out.mechanism)) {
       out.motions.push_back(*clip.motion);
     } else {
