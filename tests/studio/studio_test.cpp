@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -326,6 +327,69 @@ TEST_F(StudioTest, TheLibraryIsListedFoundAndDrawn) {
   EXPECT_EQ(api("GET", "/api/mechanism/..%2f..%2fetc").status, 404);
   EXPECT_EQ(api("GET", "/api/nothing").status, 404);
   EXPECT_EQ(api("POST", "/api/library").status, 404);
+}
+
+TEST_F(StudioTest, LibraryEntriesAreEditedWithVersionsConflictsTrashAndThumbnails) {
+  Page p = page();
+  p.ask({{"op", "hello"}});
+  const std::string entry = "/api/entry/" + library_motion_;
+  const auto post = [&](const std::string& path, const json& body) { return api("POST", path, body.dump()); };
+  json now = json::parse(api("GET", entry).body);
+  EXPECT_EQ(now["version"], 1);
+  EXPECT_EQ(now["content"], library_motion_);
+  EXPECT_EQ(now["versions"].size(), 1u);
+  const std::string before = now["name"];
+
+  const Reply renamed = post(entry, {{"base", 1}, {"name", "dash"}, {"note", "left knee"}, {"add_tags", {"quick"}}});
+  ASSERT_EQ(renamed.status, 200) << renamed.body;
+  EXPECT_EQ(json::parse(renamed.body)["entry"]["version"], 2);
+  EXPECT_TRUE(p.event("library").is_object());
+  const Reply conflict = post(entry, {{"base", 1}, {"name", "mine"}});
+  EXPECT_EQ(conflict.status, 409);
+  const json told = json::parse(conflict.body);
+  EXPECT_EQ(told["error"]["problems"][0]["code"], "conflict");
+  EXPECT_EQ(told["entry"]["name"], "dash");
+  EXPECT_EQ(told["entry"]["version"], 2);
+  for (const json& wrong :
+       {json({{"name", "x"}}), json({{"base", 2}, {"nonsense", 1}}), json({{"base", 2}, {"add_tags", {7}}}), json::array()})
+    EXPECT_EQ(post(entry, wrong).status / 100, 4) << wrong;
+  EXPECT_EQ(api("POST", entry, "{").status, 400);
+  EXPECT_EQ(post("/api/entry/n-none", {{"base", 1}, {"name", "x"}}).status, 404);
+
+  const json found = json::parse(api("GET", "/api/library?q=knee&tag=quick&kind=motion").body);
+  ASSERT_EQ(found["entries"].size(), 1u);
+  EXPECT_EQ(found["total"], 1);
+  EXPECT_TRUE(found["next"].is_null());
+  const json tags = json::parse(api("GET", "/api/library/tags").body);
+  EXPECT_NE(std::ranges::find(tags["tags"], json({{"name", "quick"}, {"count", 1}})), tags["tags"].end()) << tags;
+  const json first = json::parse(api("GET", "/api/library?limit=1&order=newest").body);
+  ASSERT_TRUE(first["next"].is_string()) << first;
+  EXPECT_EQ(first["entries"][0]["id"], library_motion_);
+  const json second = json::parse(api("GET", "/api/library?limit=1&order=newest&after=" + first["next"].get<std::string>()).body);
+  EXPECT_EQ(second["entries"][0]["id"], library_mechanism_) << second;
+  EXPECT_EQ(api("GET", "/api/library?after=nonsense").status, 400);
+  EXPECT_EQ(api("GET", "/api/library?order=nonsense").status, 400);
+
+  const Reply restored = post(entry + "/restore", {{"base", 2}, {"version", 1}});
+  ASSERT_EQ(restored.status, 200) << restored.body;
+  EXPECT_EQ(json::parse(restored.body)["entry"]["name"], before);
+  const Reply copy = post(entry + "/duplicate", {{"name", "a copy"}});
+  ASSERT_EQ(copy.status, 200) << copy.body;
+  EXPECT_EQ(json::parse(copy.body)["entry"]["content"], library_motion_);
+
+  EXPECT_EQ(api("GET", "/api/thumbnail/" + library_motion_).status, 404);
+  EXPECT_EQ(api("POST", "/api/thumbnail/" + library_motion_, "GIF89a").status, 400);
+  const std::string png = "\x89PNG\r\n\x1a\n and pixels";
+  EXPECT_EQ(api("POST", "/api/thumbnail/" + library_motion_, png).status, 200);
+  EXPECT_EQ(api("GET", "/api/thumbnail/" + library_motion_).body, png);
+
+  EXPECT_EQ(api("POST", entry + "/remove").status, 200);
+  EXPECT_EQ(api("POST", entry + "/remove").status, 404);
+  EXPECT_NE(json::parse(api("GET", entry).body)["removed"], "");
+  EXPECT_EQ(json::parse(api("GET", "/api/library?removed=1").body)["entries"].size(), 1u);
+  EXPECT_EQ(api("POST", entry + "/undelete").status, 200);
+  EXPECT_EQ(json::parse(api("GET", entry).body)["versions"].size(), 3u);
+  EXPECT_EQ(api("POST", entry + "/explode").status, 404);
 }
 
 /// A person of two joints who nods for three frames.
