@@ -12,9 +12,11 @@ export function Search({ origin }: { origin: () => DOMRect | undefined }): React
   const [query, set_query] = useState('');
   const [chosen, set_chosen] = useState(0);
   const list = useRef<HTMLUListElement>(null);
+  const left_behind = useRef(0);
   useEffect(() => {
     set_query('');
     set_chosen(0);
+    return () => clearTimeout(left_behind.current);
   }, [open]);
   const found = useMemo(() => (open && view ? search(view, query, open.fits).slice(0, most_shown) : []), [open, view, query]);
   const at = Math.min(chosen, Math.max(0, found.length - 1));
@@ -50,7 +52,7 @@ export function Search({ origin }: { origin: () => DOMRect | undefined }): React
           set_chosen(0);
         }}
         onBlur={(e) => {
-          if (!e.currentTarget.closest('.circuit-search')?.contains(e.relatedTarget)) setTimeout(() => circuit.close_search(), 120);
+          if (!e.currentTarget.closest('.circuit-search')?.contains(e.relatedTarget)) left_behind.current = window.setTimeout(() => circuit.close_search(), 120);
         }}
         onKeyDown={(e) => {
           if (e.key === 'ArrowDown') set_chosen(Math.min(at + 1, found.length - 1));
