@@ -122,7 +122,7 @@ const journeys = [
       const first = await value();
       await page.waitForTimeout(1500);
       assert.ok((await value()) > first, 'and goes on');
-      assert.ok((await state(page)).facts.values > 5, 'values are drawn');
+      assert.ok((await state(page)).facts.values >= 3, 'the values in sight are drawn');
       assert.match(await page.locator('.fact .tick').textContent(), /(µs|ms|ns) a tick/);
       assert.match(await page.locator('.probe-value').textContent(), /\d/);
       assert.ok((await page.locator('.probe canvas').count()) === 1, 'the curve');
