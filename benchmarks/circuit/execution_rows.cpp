@@ -33,9 +33,7 @@ content::Player open_sample() {
 
 /// One tick by hand.
 void tick_by_hand(Machine& m) {
-  for (const circuit::Job& job : m.steps)
-    if (job.every == 1 || m.tick.index % job.every == 0) job.run(job.call);
-  for (const circuit::Job& job : m.advances)
+  for (const circuit::Job& job : m.jobs)
     if (job.every == 1 || m.tick.index % job.every == 0) job.run(job.call);
   std::memcpy(m.bytes() + m.front.begin, m.bytes() + m.back.begin, m.front.size());
   ++m.tick.index;

@@ -205,6 +205,25 @@ TEST(Run, CountsTheTimeOfEachLsi) {
   }
 }
 
+TEST(Run, TimesSomeTicksWithoutFavouringAnyRate) {
+  auto i = build(oscillator);
+  ASSERT_TRUE(i);
+  i->set_timing(
+      []() -> std::uint64_t {
+        static std::uint64_t now = 0;
+        return now += 3;
+      },
+      4);
+  constexpr double ticks = 40000;
+  ASSERT_EQ(i->run(static_cast<std::uint64_t>(ticks)), 40000u);
+  EXPECT_NEAR(static_cast<double>(i->timed_ticks()), ticks / 4, 0.01 * ticks / 4);
+  for (const Timing& t : i->timings()) {
+    const double wanted = ticks / 4 * (t.lsi == "slow" ? 0.1 : t.lsi == "smooth" ? 2 : 1);
+    EXPECT_NEAR(static_cast<double>(t.runs), wanted, 0.02 * wanted) << t.lsi;
+    EXPECT_EQ(t.total, 3 * t.runs);
+  }
+}
+
 TEST(Run, PayloadsOfEverySizeKeepTheirPlaces) {
   auto i = build(R"({"version": 1, "name": "o",
     "lsis": [{"id": "a", "type": "make vector", "values": {"x": 1, "y": 2, "z": 3}}, {"id": "b", "type": "make vector", "values": {"x": 10, "y": 20, "z": 30}},

@@ -54,7 +54,7 @@ struct PinView {
 /// Time that one LSI took so far, in the clock's units.
 struct Timing {
   std::string lsi;
-  std::uint64_t runs = 0;  ///< calls of step and advance
+  std::uint64_t runs = 0;  ///< calls of step and advance that were timed
   std::uint64_t total = 0;
 };
 
@@ -159,8 +159,12 @@ class Interpreter {
   };
   Adoption adopt_report(Interpreter& other);
 
-  /// Null: off. Starts counting at zero.
-  void set_timing(Clock clock);
+  /// Starts counting at zero. Null: off.
+  /// @param one_in how many ticks go to one whose LSIs are timed. 1: each tick. A look at the clock costs more than a small LSI; of one tick
+  ///   in four (spread so that LSIs that run at every n-th tick are met as often as all others) the means are the same.
+  void set_timing(Clock clock, std::uint32_t one_in = 1);
+  /// Ticks whose LSIs were timed since then.
+  [[nodiscard]] std::uint64_t timed_ticks() const;
   [[nodiscard]] std::vector<Timing> timings() const;
 
   /// Catches these numeric pins ("id.pin") at each `every`-th tick, as consumers see them, into a ring of `rows`. Replaces what was probed.

@@ -168,6 +168,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   m.parameters.reserve(numbers);
   m.calls.resize(n);
   m.call_of.resize(n);
+  std::vector<Job> advances;
   for (std::size_t rank = 0; rank < n; ++rank) {
     const auto i = static_cast<std::size_t>(m.order[rank]);
     m.call_of[i] = static_cast<std::uint32_t>(rank);
@@ -219,9 +220,11 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
       }
       return j;
     };
-    if (u.lsi_class->step) (u.every == 0 ? m.on_demand : m.steps).push_back(job(u.lsi_class->step, u.direct_numbers));
-    if (u.lsi_class->advance) m.advances.push_back(job(u.lsi_class->advance, u.delayed_numbers));
+    if (u.lsi_class->step) (u.every == 0 ? m.on_demand : m.jobs).push_back(job(u.lsi_class->step, u.direct_numbers));
+    if (u.lsi_class->advance) advances.push_back(job(u.lsi_class->advance, u.delayed_numbers));
   }
+  m.step_count = m.jobs.size();
+  m.jobs.insert(m.jobs.end(), advances.begin(), advances.end());
   for (const std::uint32_t end : plan.wave_ends) {
     const auto jobs = static_cast<std::uint32_t>(std::count_if(m.order.data(), m.order.data() + end, [&](int i) {
       const Unit& u = m.units[static_cast<std::size_t>(i)];

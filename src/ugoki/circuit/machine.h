@@ -2,6 +2,7 @@
 // The form that runs: one arena, calls with bound addresses, lists of jobs. Private to the interpreter.
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -96,8 +97,10 @@ struct Interpreter::Machine {
   std::vector<double> parameters;
   std::vector<std::uint64_t> arena;  ///< in words of 8 bytes
   Range front, back;                 ///< delayed outputs: as seen, as written; same order
-  std::vector<Job> steps, advances, on_demand;
-  std::vector<std::uint32_t> wave_ends;  ///< ends in `steps` of the LSIs of equal depth
+  std::vector<Job> jobs;             ///< of a tick: all steps, then all advances
+  std::size_t step_count = 0;        ///< how many of them are steps
+  std::vector<Job> on_demand;
+  std::vector<std::uint32_t> wave_ends;  ///< ends in `jobs` of the steps of equal depth
   std::vector<int> order;
   std::vector<FlatPort> inputs, outputs;
   std::uint64_t layout = 0;  ///< hash of ids, classes, versions and sizes
@@ -109,11 +112,12 @@ struct Interpreter::Machine {
   bool plain = true;  ///< none of the following
   bool fast = true;   ///< nothing but a clock and probes at each tick
   Clock clock = nullptr;
+  std::uint32_t timed_one_in = 1;
+  std::uint64_t timed_ticks = 0;
   std::vector<Timing> timings;  ///< [lsis], id empty
-  std::uint64_t clock_before = 0;
   Executor* executor = nullptr;
   std::vector<std::vector<char>> reasons;  ///< [workers]
-  std::vector<Job> wave_jobs;              ///< steps and advances, sorted for threads
+  std::vector<Job> wave_jobs;              ///< `jobs`, sorted for threads
   std::vector<Wave> waves;
   ProbeBuffer probes;
   std::vector<ActiveBreakpoint> breakpoints;
@@ -132,8 +136,7 @@ struct Interpreter::Machine {
   template <bool timed, bool probed>
   std::uint64_t run_fast(std::uint64_t count);
   bool tick_with_extras();
-  bool run_job(const Job& job);
-  bool run_all();
+  bool run_one_by_one(std::span<const Job> jobs);
   bool run_wave(const Wave& wave);
   bool run_waves();
   void end_tick();

@@ -10,41 +10,36 @@
 namespace ugoki::circuit {
 namespace {
 
-constexpr std::size_t few_jobs = 16;  // among more of them, what lies between two ticks is not counted as the first one's
-
-/// Runs one job. @return false if it failed; `finite` tells which way
-inline bool call(const Job& job, bool& finite) {
-  if (job.run(job.call) != 0) [[unlikely]]
-    return false;
-  finite = all_finite(job.check, job.check_count);
-  return finite;
-}
-
 inline bool is_due(const Job& job, std::uint64_t index) { return job.every <= 1 || index % job.every == 0; }
 
-/// Jobs [begin, end) in order. @return the one that failed, or null
+/// Runs the jobs in order. @return the one that failed, or null; `not_finite` then tells which way
 template <class AfterJob>
-const Job* run_jobs(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& finite, AfterJob after) {
+inline const Job* run_jobs(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& not_finite, AfterJob after) {
   for (const Job& job : jobs) {
     if (!is_due(job, index)) [[unlikely]]
       continue;
     set_running(activity, job.who);
-    if (!call(job, finite)) [[unlikely]]
+    if (job.run(job.call) != 0) [[unlikely]]
       return &job;
+    if (!all_finite(job.check, job.check_count)) [[unlikely]] {
+      not_finite = true;
+      return &job;
+    }
     after(job);
   }
   return nullptr;
 }
 
-const Job* run_plainly(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& finite) {
-  return run_jobs(jobs, index, activity, finite, [](const Job&) {});
+inline const Job* run_plainly(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& not_finite) {
+  return run_jobs(jobs, index, activity, not_finite, [](const Job&) {});
 }
 
-/// The end of one LSI is the beginning of the next: one look at the clock for each. @param before in and out
-const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& finite, Interpreter::Clock clock,
-                     std::vector<Timing>& timings, std::uint64_t& before) {
+/// The end of one LSI is the beginning of the next: one look at the clock for each.
+/// @param before when the first one began
+const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& activity, bool& not_finite, Interpreter::Clock clock,
+                     std::vector<Timing>& timings, std::uint64_t before) {
   const auto timed = [&](auto now) {
-    return run_jobs(jobs, index, activity, finite, [&](const Job& job) {
+    return run_jobs(jobs, index, activity, not_finite, [&](const Job& job) {
       const std::uint64_t after = now();
       Timing& t = timings[job.lsi];
       t.total += after - before;
@@ -58,6 +53,12 @@ const Job* run_timed(std::span<const Job> jobs, std::uint64_t index, Activity& a
   return timed(clock);
 }
 
+/// Whether tick `index` is one of those that are timed: one in `one_in`, in no step with LSIs that run at every n-th tick.
+/// Mixing by an odd constant near 2^64 / golden ratio: Knuth, The Art of Computer Programming, vol. 3, 6.4.
+inline bool is_timed(std::uint64_t index, std::uint32_t one_in) {
+  return one_in <= 1 || ((index * 0x9E3779B97F4A7C15u) >> 32) * one_in >> 32 == 0;
+}
+
 /// A slice of a wave for each worker, and what went wrong in it.
 struct WaveWork {
   static constexpr int most_workers = 64;
@@ -65,7 +66,7 @@ struct WaveWork {
   std::uint64_t index = 0;
   int workers = 1;
   const Job* failed[most_workers] = {};
-  bool finite[most_workers] = {};
+  bool not_finite[most_workers] = {};
 
   [[nodiscard]] std::span<const Job> share(int worker) const {
     const std::size_t begin = jobs.size() * static_cast<std::size_t>(worker) / static_cast<std::size_t>(workers);
@@ -74,8 +75,7 @@ struct WaveWork {
   }
   void run(int worker) {
     Activity unseen;
-    finite[worker] = true;
-    failed[worker] = run_plainly(share(worker), index, unseen, finite[worker]);
+    failed[worker] = run_plainly(share(worker), index, unseen, not_finite[worker]);
   }
 };
 
@@ -103,33 +103,32 @@ inline void Interpreter::Machine::end_tick() {
 /// the compiler knows is kept in locals, so that a tick of one LSI costs hardly more than the LSI.
 template <bool timed, bool probed>
 std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
-  const std::span<const Job> first(steps), second(advances);
+  const std::span<const Job> all(jobs);
   std::byte *const seen = bytes() + front.begin, *const written = bytes() + back.begin;
-  const std::size_t delayed_bytes = front.size(), row_count = probes.ticks.size();
+  const std::size_t delayed_bytes = front.size();
   const double dt = tick.dt;
-  const Clock now = clock;
-  const bool many = first.size() + second.size() > few_jobs;
   Activity& noted = *activity;
-  std::uint64_t done = 0, passes = noted.passes, index = tick.index, before = timed ? now() : 0;
+  const std::uint64_t first = tick.index, end = first + count, passes_before = noted.passes + 1 - first;
   std::size_t row = probes.next;
   double* to = probed ? probes.rows.data() + row * probes.width : nullptr;
-  bool finite = true;
+  const std::span<std::uint64_t> row_ticks(probes.ticks);
+  const std::span<const ProbeSource> sources(probes.sources);
+  bool not_finite = false;
   const Job* failed = nullptr;
-  const auto run_all_of = [&](std::span<const Job> jobs) {
-    if constexpr (timed)
-      return run_timed(jobs, index, noted, finite, now, timings, before);
-    else
-      return run_plainly(jobs, index, noted, finite);
-  };
-  for (; done < count; ++done) {
-    __atomic_store_n(&noted.passes, ++passes, __ATOMIC_RELAXED);
-    failed = run_all_of(first);
-    if (!second.empty() && !failed) failed = run_all_of(second);
+  std::uint64_t index = first;
+  while (index != end) {
+    __atomic_store_n(&noted.passes, passes_before + index, __ATOMIC_RELAXED);
+    if (timed && is_timed(index, timed_one_in)) {
+      ++timed_ticks;
+      failed = run_timed(all, index, noted, not_finite, clock, timings, clock());
+    } else {
+      failed = run_plainly(all, index, noted, not_finite);
+    }
     if (failed) [[unlikely]]
       break;
     if constexpr (probed) {
-      probes.ticks[row] = index;
-      for (const ProbeSource& s : probes.sources) {
+      row_ticks[row] = index;
+      for (const ProbeSource& s : sources) {
         if (s.count == 1) {
           *to++ = *s.from;
         } else {
@@ -137,47 +136,36 @@ std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
           to += s.count;
         }
       }
-      if (++row == row_count) {
+      if (++row == row_ticks.size()) {
         row = 0;
         to = probes.rows.data();
       }
     }
     if (delayed_bytes) std::memcpy(seen, written, delayed_bytes);
     tick.index = ++index;
-    tick.time = static_cast<double>(index) * dt;
-    if (timed && many) before = now();
+    tick.time = static_cast<double>(static_cast<std::int64_t>(index)) * dt;
   }
   set_running(noted, nullptr);
+  const std::uint64_t done = index - first;
   if constexpr (probed) {
     probes.next = row;
     probes.written += done;
   }
-  if (failed) fail(*failed, !finite);
+  if (failed) fail(*failed, not_finite);
   return done;
 }
 
-bool Interpreter::Machine::run_job(const Job& job) {
-  bool finite = true;
+bool Interpreter::Machine::run_one_by_one(std::span<const Job> some) {
+  bool not_finite = false;
   const Job* failed = nullptr;
-  if (clock)
-    failed = run_timed({&job, 1}, tick.index, *activity, finite, clock, timings, clock_before);
-  else
-    failed = run_plainly({&job, 1}, tick.index, *activity, finite);
-  if (failed) fail(*failed, !finite);
-  return !failed;
-}
-
-bool Interpreter::Machine::run_all() {
-  for (const std::vector<Job>* jobs : {&steps, &advances}) {
-    if (jobs->empty()) continue;
-    bool finite = true;
-    const Job* failed = clock ? run_timed(*jobs, tick.index, *activity, finite, clock, timings, clock_before)
-                              : run_plainly(*jobs, tick.index, *activity, finite);
-    if (!failed) continue;
-    fail(*failed, !finite);
-    return false;
+  if (clock && is_timed(tick.index, timed_one_in)) {
+    if (!some.empty() && &some.front() == jobs.data()) ++timed_ticks;
+    failed = run_timed(some, tick.index, *activity, not_finite, clock, timings, clock());
+  } else {
+    failed = run_plainly(some, tick.index, *activity, not_finite);
   }
-  return true;
+  if (failed) fail(*failed, not_finite);
+  return !failed;
 }
 
 /// Our own LSIs of a wave on all threads, those of plug-ins after them on this one: nobody knows whether they share something.
@@ -185,11 +173,11 @@ bool Interpreter::Machine::run_all() {
 bool Interpreter::Machine::run_wave(const Wave& wave) {
   const std::span<const Job> all(wave_jobs);
   const Job* failed = nullptr;
-  bool finite = true;
-  const auto note = [&](const Job* job, bool was_finite) {
+  bool not_finite = false;
+  const auto note = [&](const Job* job, bool was_not_finite) {
     if (!job || (failed && failed->lsi < job->lsi)) return;
     failed = job;
-    finite = was_finite;
+    not_finite = was_not_finite;
   };
   WaveWork work;
   work.jobs = all.subspan(wave.begin, wave.own_end - wave.begin);
@@ -199,12 +187,13 @@ bool Interpreter::Machine::run_wave(const Wave& wave) {
     for (int w = 0; w < work.workers; ++w)
       for (const Job& job : work.share(w)) job.call->reason = reasons[static_cast<std::size_t>(w)].data();
     executor->run([](void* context, int worker) { static_cast<WaveWork*>(context)->run(worker); }, &work);
-    for (int w = 0; w < work.workers; ++w) note(work.failed[w], work.finite[w]);
+    for (int w = 0; w < work.workers; ++w) note(work.failed[w], work.not_finite[w]);
   }
   const std::size_t alone = work.jobs.size() > 1 ? wave.own_end : wave.begin;
-  bool one_finite = true;
-  note(run_plainly(all.subspan(alone, wave.end - alone), tick.index, *activity, one_finite), one_finite);
-  if (failed) fail(*failed, !finite);
+  bool not_finite_alone = false;
+  const Job* failed_alone = run_plainly(all.subspan(alone, wave.end - alone), tick.index, *activity, not_finite_alone);
+  note(failed_alone, not_finite_alone);
+  if (failed) fail(*failed, not_finite);
   return !failed;
 }
 
@@ -221,10 +210,9 @@ bool Interpreter::Machine::tick_with_extras() {
   if (cursor == 0) {
     if (!log.replay.empty()) replay_inputs();
     if (log.recording) record_inputs();
-    good = executor && !clock ? run_waves() : run_all();
+    good = executor && !clock ? run_waves() : run_one_by_one(jobs);
   } else {
-    for (; good && cursor < steps.size() + advances.size(); ++cursor)
-      good = run_job(cursor < steps.size() ? steps[cursor] : advances[cursor - steps.size()]);
+    good = run_one_by_one(std::span<const Job>(jobs).subspan(cursor));
     cursor = 0;
     update_plain();
   }
@@ -249,14 +237,11 @@ std::uint64_t Interpreter::run(std::uint64_t count) {
   m.breakpoint_hit = -1;
   if (m.fast && m.probes.width) return m.clock ? m.run_fast<true, true>(count) : m.run_fast<false, true>(count);
   if (m.fast) return m.run_fast<true, false>(count);
-  const bool many = m.steps.size() + m.advances.size() > few_jobs;
-  if (m.clock) m.clock_before = m.clock();
   std::uint64_t done = 0;
   while (done < count) {
     if (!m.tick_with_extras()) break;
     ++done;
     if (m.breakpoint_hit >= 0) break;
-    if (m.clock && many) m.clock_before = m.clock();
   }
   set_running(*m.activity, nullptr);
   return done;
@@ -267,29 +252,28 @@ bool Interpreter::tick() { return run(1) == 1; }
 bool Interpreter::step_lsi() {
   Machine& m = *machine_;
   if (m.is_stopped) return false;
-  const auto jobs = static_cast<std::uint32_t>(m.steps.size() + m.advances.size());
-  const auto job_at = [&](std::uint32_t i) -> const Job& { return i < m.steps.size() ? m.steps[i] : m.advances[i - m.steps.size()]; };
+  const std::span<const Job> jobs(m.jobs);
+  const auto skip_those_not_due = [&] {
+    while (m.cursor < jobs.size() && !is_due(jobs[m.cursor], m.tick.index)) ++m.cursor;
+  };
   if (m.cursor == 0) {
     m.replay_inputs();
     m.record_inputs();
   }
-  while (m.cursor < jobs && !is_due(job_at(m.cursor), m.tick.index)) ++m.cursor;
+  skip_those_not_due();
   m.plain = m.fast = false;
   m.reason[0] = '\0';
-  if (m.clock) m.clock_before = m.clock();
-  if (m.cursor < jobs && !m.run_job(job_at(m.cursor))) return false;
+  if (m.cursor < jobs.size() && !m.run_one_by_one(jobs.subspan(m.cursor, 1))) return false;
   set_running(*m.activity, nullptr);
   ++m.cursor;
-  while (m.cursor < jobs && !is_due(job_at(m.cursor), m.tick.index)) ++m.cursor;
-  return m.cursor < jobs || m.tick_with_extras();
+  skip_those_not_due();
+  return m.cursor < jobs.size() || m.tick_with_extras();
 }
 
 std::string Interpreter::next_lsi() const {
   const Machine& m = *machine_;
-  for (std::uint32_t i = m.cursor; i < m.steps.size() + m.advances.size(); ++i) {
-    const Job& job = i < m.steps.size() ? m.steps[i] : m.advances[i - m.steps.size()];
-    if (is_due(job, m.tick.index)) return m.units[job.lsi].id;
-  }
+  for (std::size_t i = m.cursor; i < m.jobs.size(); ++i)
+    if (is_due(m.jobs[i], m.tick.index)) return m.units[m.jobs[i].lsi].id;
   return {};
 }
 
@@ -298,19 +282,20 @@ bool Interpreter::refresh() {
   __atomic_store_n(&m.activity->passes, m.activity->passes + 1, __ATOMIC_RELAXED);
   m.reason[0] = '\0';
   bool good = true;
-  if (m.clock) m.clock_before = m.clock();
   for (const Job& job : m.on_demand) {
     Job once = job;
     once.every = 1;
-    good = good && m.run_job(once);
+    good = good && m.run_one_by_one({&once, 1});
   }
   set_running(*m.activity, nullptr);
   return good;
 }
 
-void Interpreter::set_timing(Clock clock) {
+void Interpreter::set_timing(Clock clock, std::uint32_t one_in) {
   Machine& m = *machine_;
   m.clock = clock;
+  m.timed_one_in = one_in;
+  m.timed_ticks = 0;
   m.timings.assign(clock ? m.units.size() : 0, Timing{});
   m.update_plain();
 }
@@ -323,6 +308,8 @@ std::vector<Timing> Interpreter::timings() const {
   }
   return out;
 }
+
+std::uint64_t Interpreter::timed_ticks() const { return machine_->timed_ticks; }
 
 void Interpreter::set_executor(Executor* executor) {
   Machine& m = *machine_;
@@ -345,10 +332,10 @@ void Interpreter::set_executor(Executor* executor) {
     };
     std::uint32_t begin = 0;
     for (const std::uint32_t end : m.wave_ends) {
-      add(m.steps.data() + begin, m.steps.data() + end);
+      add(m.jobs.data() + begin, m.jobs.data() + end);
       begin = end;
     }
-    add(m.advances.begin(), m.advances.end());
+    add(m.jobs.data() + m.step_count, m.jobs.data() + m.jobs.size());
   }
   m.update_plain();
 }

@@ -82,7 +82,7 @@ Result<void> Interpreter::restore(std::span<const std::byte> bytes) {
   if (bytes.size() >= sizeof header) std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != saved_magic)
     return ugoki::fail(ErrorCode::syntax, "saved state", "These bytes are not a saved state.", "Give what save wrote.");
-  if (header.layout != m.layout || header.done > m.steps.size() + m.advances.size() || header.arena_words != m.arena.size() ||
+  if (header.layout != m.layout || header.done > m.jobs.size() || header.arena_words != m.arena.size() ||
       header.parameters != m.parameters.size())
     return ugoki::fail(ErrorCode::conflict, "saved state", "The state was saved by another circuit, or another version of its LSIs.",
                        "Run from the beginning.");

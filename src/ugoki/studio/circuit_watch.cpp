@@ -15,6 +15,7 @@ constexpr std::size_t shown_numbers = 8;      // of a payload, beside its pin
 constexpr std::size_t curve_components = 16;  // of a probe
 constexpr std::size_t most_rows = 2000;       // between two reports
 constexpr double rows_a_second = 500;
+constexpr std::uint32_t timed_one_in = 4;  // ticks, so that looking at the clock does not dwarf small LSIs
 
 void add_number(std::string& out, double value) {
   if (!std::isfinite(value)) {
@@ -66,9 +67,9 @@ void CircuitWatch::resolve() {
     if (!view || !circuit::pin_type(view->type).numeric) continue;
     probes_.push_back({{name, *view}, std::min(view->numbers().size(), curve_components), {}});
   }
-  circuit_->set_timing(request_.timing ? &circuit::Interpreter::processor_clock : nullptr);
+  circuit_->set_timing(request_.timing ? &circuit::Interpreter::processor_clock : nullptr, timed_one_in);
   counted_from_ = circuit::Interpreter::processor_clock();
-  ticks_from_ = circuit_->ticks();
+  timed_from_ = circuit_->timed_ticks();
   seconds_from_ = 0;
   stride_ = 1;
 }
@@ -101,8 +102,8 @@ std::string CircuitWatch::report(double seconds) {
     }
     out += "]";
   });
-  const std::uint64_t ticks = circuit_->ticks(), counted = circuit::Interpreter::processor_clock();
-  if (request_.timing && seconds_from_ > 0 && ticks > ticks_from_ && counted > counted_from_) {
+  const std::uint64_t timed = circuit_->timed_ticks(), counted = circuit::Interpreter::processor_clock();
+  if (request_.timing && seconds_from_ > 0 && timed > timed_from_ && counted > counted_from_) {
     // the counter's pace is measured against the clock; an LSI counts by what it took since the last report
     const double us_a_count = 1e6 * (seconds - seconds_from_) / static_cast<double>(counted - counted_from_);
     const std::vector<circuit::Timing> now = circuit_->timings();
@@ -113,7 +114,7 @@ std::string CircuitWatch::report(double seconds) {
       while (at < before_.size() && before_[at].lsi < t.lsi) ++at;
       const bool known = at < before_.size() && before_[at].lsi == t.lsi && before_[at].total <= t.total;
       const std::uint64_t spent = t.total - (known ? before_[at].total : 0);
-      const double us = static_cast<double>(spent) * us_a_count / static_cast<double>(ticks - ticks_from_);
+      const double us = static_cast<double>(spent) * us_a_count / static_cast<double>(timed - timed_from_);
       all += us;
       out += "[" + quoted(t.lsi) + ",";
       add_number(out, us);
@@ -126,7 +127,7 @@ std::string CircuitWatch::report(double seconds) {
     before_ = circuit_->timings();
   }
   counted_from_ = counted;
-  ticks_from_ = ticks;
+  timed_from_ = timed;
   seconds_from_ = seconds;
   if (!times_.empty()) {
     out += ",\"probes\":";

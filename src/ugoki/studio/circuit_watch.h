@@ -62,7 +62,7 @@ class CircuitWatch {
   std::vector<double> times_;  ///< s, of the rows of all curves
   std::uint32_t stride_ = 1;   ///< steps between two rows
   bool dirty_ = false;
-  std::uint64_t counted_from_ = 0, ticks_from_ = 0;  ///< processor's counter and ticks at the last report
+  std::uint64_t counted_from_ = 0, timed_from_ = 0;  ///< processor's counter and timed ticks at the last report
   double seconds_from_ = 0;
   std::vector<circuit::Timing> before_;
 };
