@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 
 #include "allocation_count.h"
 #include "ugoki/dynamics/batch.h"
@@ -146,6 +147,24 @@ TEST(Kernels, ChainOfTenThousandJointsKeepsItsDigits) {
   calc_inverse_dynamics(*m, ws, s.q, s.v, vdot, gravity, {}, tau);
   for (std::size_t i = 0; i < tau.size(); ++i) worst = std::max(worst, std::fabs(tau[i] - s.tau[i]));
   EXPECT_LT(worst, 1e-9 * scale) << "greatest load " << scale;
+}
+
+// What holds the first joint dies away along the falling chain, and what turns the last one dies away towards the first.
+TEST(Kernels, ChainOfTenThousandJointsMakesNoSubnormalNumbers) {
+  const MechanismPtr m = make_chain(10'000);
+  Workspace ws(*m);
+  State s(*m);
+  RandomSource random(13);
+  for (double& q : s.q) q = random.uniform(-0.3, 0.3);
+  std::vector<double> vdot(s.v.size());
+  const auto expect_none = [&](const char* what) {
+    ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, what[0] == 'h' ? gravity : Vec3{}, {}, vdot));
+    for (std::size_t i = 0; i < vdot.size(); ++i)
+      ASSERT_TRUE(vdot[i] == 0 || std::fabs(vdot[i]) >= std::numeric_limits<double>::min()) << what << ", joint " << i << ": " << vdot[i];
+  };
+  expect_none("held at one end");
+  s.tau.back() = 1;
+  expect_none("turned at the other");
 }
 
 TEST(Kernels, AllocateNothing) {
