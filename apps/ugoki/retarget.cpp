@@ -91,26 +91,6 @@ Json to_json(const retarget::RetargetReport& r) {
   return out;
 }
 
-void print_report(const retarget::RetargetReport& r) {
-  print_line("Lengths times " + to_fixed(r.scale, 3) + "; " + std::to_string(r.stances) + " stances, the worst slides " +
-             to_fixed(1000 * r.skate_after, 2) + " mm (" + to_fixed(1000 * r.skate_before, 1) + " mm if the feet were left alone).");
-  if (r.greatest_shift > 1e-3)
-    print_line("The root was moved by up to " + to_fixed(1000 * r.greatest_shift, 0) + " mm (frame " + std::to_string(r.shift_frame) +
-               "), so that the feet reach the ground.");
-  if (!r.margin_link.empty())
-    print_line("No joint limit is passed; the nearest is that of " + r.margin_link + ", " + to_text(std::max(0.0, r.least_margin)) +
-               " away.");
-  for (std::size_t i = 0; i < r.at_limit.size() && i < 5; ++i)
-    print_line(r.at_limit[i].first + " is at a limit in " + std::to_string(r.at_limit[i].second) + " frames.");
-  for (const retarget::Miss& m : r.misses)
-    print_line(m.link + " misses its place by up to " + to_fixed(1000 * m.most, 1) + " mm (frame " + std::to_string(m.frame) +
-               "), by more than 1 mm in " + std::to_string(m.frames) + " frames.");
-  for (const std::string& line : r.holds) print_line(line);
-  for (const std::string& line : r.notes) print_line(line);
-  print_line("Which drives which:");
-  for (const std::string& line : r.mapping) print_line("  " + line);
-}
-
 int run_retarget(const Options& o) {
   const Result<ClipSource> clip = load_clip(o.motion, o.source);
   if (!clip) return print_error(clip.error(), o.json);
@@ -139,7 +119,9 @@ int run_retarget(const Options& o) {
     json["written"] = written;
     print_json(json);
   } else {
-    print_report(out->report);
+    for (const std::string& line : retarget::describe(out->report)) print_line(line);
+    print_line("Which drives which:");
+    for (const std::string& line : out->report.mapping) print_line("  " + line);
     for (const std::string& line : written) print_line(line);
   }
   return o.strict && !out->report.misses.empty() ? 1 : 0;

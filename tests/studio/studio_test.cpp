@@ -162,6 +162,52 @@ TEST_F(StudioTest, CommandsFetchFromTheLibrary) {
       p.ask({{"op", "command"}, {"command", {{"type", "clip.add"}, {"character", "human"}, {"motion", "n-0123"}, {"start", 1}}}})["ok"]);
 }
 
+TEST_F(StudioTest, AnOperationOnAMotionIsOneStepOfUndo) {
+  Page p = page();
+  const json before = p.ask({{"op", "hello"}})["document"];
+  const json ask = {{"op", "motion"}, {"task", "t1"}, {"character", "human"}, {"clip", "k1"}, {"operation", "reverse"}};
+  const json done = p.ask(ask);
+  ASSERT_TRUE(done["ok"]) << done;
+  EXPECT_EQ(done["clip"], "k1");
+  const json clip = p.ask({{"op", "hello"}})["document"]["characters"][0]["track"][0];
+  EXPECT_EQ(clip["motion"], done["motion"]);
+  EXPECT_NE(clip["motion"], before["characters"][0]["track"][0]["motion"]);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["undo_label"], "Reverse motion");
+  const std::string id = done["motion"].get<std::string>();
+  EXPECT_EQ(json::parse(api("GET", "/api/entry/" + id).body)["name"], "walk, reversed");
+  EXPECT_NE(api("GET", "/api/library").body.find(id), std::string::npos) << "the project's motion is in the list";
+  EXPECT_EQ(api("GET", "/api/motion/" + id).status, 200);
+  const json contacts = json::parse(api("GET", "/api/contacts/" + id).body);
+  EXPECT_EQ(contacts["id"], id);
+  EXPECT_TRUE(contacts["bands"].is_array());
+  EXPECT_EQ(api("GET", "/api/contacts/n-0123").status, 404);
+  ASSERT_TRUE(p.ask({{"op", "undo"}})["ok"]);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["document"], before);
+  EXPECT_EQ(api("GET", "/api/library").body.find(id), std::string::npos) << "and no longer, when nothing uses it";
+  ASSERT_TRUE(p.ask({{"op", "redo"}})["ok"]);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["characters"][0]["track"][0]["motion"], done["motion"]);
+
+  json cancelled = ask;
+  cancelled["id"] = 900;
+  p.socket().send_text(cancelled.dump());
+  EXPECT_TRUE(p.ask({{"op", "motion.cancel"}, {"task", "t1"}})["ok"]);
+  EXPECT_TRUE(p.ask({{"op", "motion.cancel"}, {"task", "nothing of the kind"}})["ok"]);
+  for (const auto& [key, value] :
+       {std::pair<const char*, json>("task", ""), {"character", "nobody"}, {"clip", "k99"}, {"operation", "dance"}}) {
+    json wrong = ask;
+    wrong[key] = value;
+    EXPECT_FALSE(p.ask(wrong)["ok"]) << key;
+  }
+  for (const char* operation : {"mix", "layer", "blend", "retarget", "join"}) {
+    json wrong = ask;
+    wrong["operation"] = operation;
+    wrong["clip"] = before["characters"][0]["track"].back()["id"];
+    const json refused = p.ask(wrong);
+    EXPECT_FALSE(refused["ok"]) << operation << " needs something more";
+    EXPECT_NE(refused["error"]["problems"][0]["remedy"], "") << refused;
+  }
+}
+
 TEST_F(StudioTest, WhateverIsWrongWithAMessageIsAnsweredInWords) {
   Page p = page();
   p.ask({{"op", "hello"}});

@@ -7,6 +7,7 @@ import { ready } from './browser.mjs';
 import { circuit_journeys } from './circuit.mjs';
 import { plugin_journeys } from './plugins.mjs';
 import { library_journeys } from './library.mjs';
+import { motion_journeys } from './motion.mjs';
 import { mock } from './service.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
@@ -425,6 +426,7 @@ export const journeys = [
       assert.equal(await shake_hands(service.address, `/ws?token=${token}`, { Host: 'evil.example:80' }), 403);
     },
   },
+  ...motion_journeys,
   ...library_journeys,
   ...circuit_journeys,
   ...plugin_journeys,

@@ -103,4 +103,25 @@ void find_facts(const Rig& target, const Driver& driver, const RetargetOptions& 
   report.notes.push_back("Slowed down by the factor " + to_fixed(report.slowed, 2) + " because of " + report.speed_link + ".");
 }
 
+std::vector<std::string> describe(const RetargetReport& r) {
+  std::vector<std::string> lines;
+  const auto mm = [](double metres, int digits) { return to_fixed(1000 * metres, digits) + " mm"; };
+  lines.push_back("Lengths times " + to_fixed(r.scale, 3) + "; " + std::to_string(r.stances) + " stances, the worst slides " +
+                  mm(r.skate_after, 2) + " (" + mm(r.skate_before, 1) + " if the feet were left alone).");
+  if (r.greatest_shift > 1e-3)
+    lines.push_back("The root was moved by up to " + mm(r.greatest_shift, 0) + " (frame " + std::to_string(r.shift_frame) +
+                    "), so that the feet reach the ground.");
+  if (!r.margin_link.empty())
+    lines.push_back("No joint limit is passed; the nearest is that of " + r.margin_link + ", " +
+                    to_fixed(std::max(0.0, r.least_margin), 4) + " away.");
+  for (std::size_t i = 0; i < r.at_limit.size() && i < 5; ++i)
+    lines.push_back(r.at_limit[i].first + " is at a limit in " + std::to_string(r.at_limit[i].second) + " frames.");
+  for (const Miss& m : r.misses)
+    lines.push_back(m.link + " misses its place by up to " + mm(m.most, 1) + " (frame " + std::to_string(m.frame) +
+                    "), by more than 1 mm in " + std::to_string(m.frames) + " frames.");
+  lines.insert(lines.end(), r.holds.begin(), r.holds.end());
+  lines.insert(lines.end(), r.notes.begin(), r.notes.end());
+  return lines;
+}
+
 }  // namespace ugoki::retarget

@@ -46,6 +46,9 @@ struct RetargetReport {
   std::vector<std::string> notes;    ///< what was assumed or left out
 };
 
+/// The report for people, a sentence each, without the mapping.
+[[nodiscard]] std::vector<std::string> describe(const RetargetReport& report);
+
 struct Retargeted {
   Motion motion;  ///< of the target, with its contacts labelled
   RetargetReport report;

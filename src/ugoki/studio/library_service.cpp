@@ -103,7 +103,7 @@ ApiReply LibraryService::answer(const ApiRequest& request, const std::vector<Pro
   if (path.starts_with(entries)) {
     const std::string_view rest = path.substr(entries.size()), id = rest.substr(0, rest.find('/'));
     const std::string_view action = id.size() < rest.size() ? rest.substr(id.size() + 1) : "";
-    if (get && action.empty()) return reply(entry(id));
+    if (get && action.empty()) return reply(entry(id, project));
     const bool known = action.empty() || action == "restore" || action == "duplicate" || action == "remove" || action == "undelete";
     if (post && known) {
       const Result<store::LibraryEntry> now = change(id, action, request.body);
@@ -162,7 +162,7 @@ Result<std::string> LibraryService::list(std::string_view query, const std::vect
   }
   const bool with_project = wanted.after.empty() && wanted.tags.empty() && !wanted.removed;
   for (const ProjectEntry& entry : project) {
-    if (!with_project || ids.contains(entry.id) || (*open)->get(entry.id)) continue;
+    if (!with_project || !entry.used || ids.contains(entry.id) || (*open)->get(entry.id)) continue;
     const Json j = project_entry_json(entry);
     if (std::ranges::find(wanted.kinds, j["kind"].get<std::string>()) == wanted.kinds.end()) continue;
     if (!has_words(j["name"].get<std::string>() + " project " + j["summary"].get<std::string>(), wanted.text)) continue;
@@ -187,12 +187,18 @@ Result<std::string> LibraryService::tags(std::string_view query) {
   return text_of({{"tags", std::move(rows)}});
 }
 
-Result<std::string> LibraryService::entry(std::string_view id) {
+Result<std::string> LibraryService::entry(std::string_view id, const std::vector<ProjectEntry>& project) {
   Result<store::Library*> open = library();
   if (!open) return fail(std::move(open.error()));
   Result<store::LibraryEntry> found = (*open)->get(id);
   if (!found) {
     const Result<store::LibraryEntry> removed = (*open)->get_removed(id);
+    const auto own = std::ranges::find_if(project, [&](const ProjectEntry& e) { return e.id == id; });
+    if (!removed && own != project.end()) {
+      Json j = project_entry_json(*own);
+      j["versions"] = Json::array();
+      return text_of(j);
+    }
     if (!removed) return fail(std::move(found.error()));
     found = *removed;
   }

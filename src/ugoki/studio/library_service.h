@@ -39,7 +39,7 @@ class LibraryService {
   [[nodiscard]] Result<store::Library*> library();
   [[nodiscard]] Result<std::string> list(std::string_view query, const std::vector<ProjectEntry>& project);
   [[nodiscard]] Result<std::string> tags(std::string_view query);
-  [[nodiscard]] Result<std::string> entry(std::string_view id);
+  [[nodiscard]] Result<std::string> entry(std::string_view id, const std::vector<ProjectEntry>& project);
   /// @param action "", "restore", "duplicate", "remove" or "undelete"
   [[nodiscard]] Result<store::LibraryEntry> change(std::string_view id, std::string_view action, std::string_view body);
   [[nodiscard]] Result<store::LibraryEntry> edit(std::string_view id, std::string_view body);

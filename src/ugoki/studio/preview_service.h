@@ -1,5 +1,5 @@
 #pragma once
-// Moving previews of the library's motions.
+// Moving previews of the library's motions, and when their feet stand.
 
 #include <optional>
 #include <string>
@@ -20,8 +20,11 @@ class PreviewService {
   /// Poses of a motion on the mechanism that it was made for. @param id of the entry, or of its content
   /// @return motion_json with "mechanism": the id to ask GET /api/mechanism/ for
   [[nodiscard]] Result<std::string> motion(std::string_view id, const std::vector<ProjectEntry>& project);
+  /// When how many of its feet stand. @return the answer of GET /api/contacts/ID
+  [[nodiscard]] Result<std::string> contacts(std::string_view id, const std::vector<ProjectEntry>& project);
 
  private:
+  Result<ProjectEntry> find(std::string_view id, const std::vector<ProjectEntry>& project);
   std::string path_;
   std::optional<store::Library> library_;
 };

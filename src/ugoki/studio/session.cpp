@@ -14,6 +14,7 @@
 #include "ugoki/plugin/shelf.h"
 #include "ugoki/studio/error_json.h"
 #include "ugoki/studio/frame.h"
+#include "ugoki/studio/session_request.h"
 
 namespace ugoki::studio {
 namespace {
@@ -62,34 +63,20 @@ Error read_problems(const Json& reply) {
 
 }  // namespace
 
-struct Session::Request {
-  Json json;
-  ClientId client = 0;
-  std::string reply_to = "null";
-  std::string op;
-
-  /// A field's problem.
-  [[nodiscard]] static std::unexpected<Error> wrong(const std::string& field, const std::string& wanted) {
-    return fail(ErrorCode::syntax, field, "\"" + field + "\" must be " + wanted + ".", "See docs/studio-protocol.md.");
-  }
-  [[nodiscard]] bool has_number(const char* key) const { return json.contains(key) && json[key].is_number(); }
-  [[nodiscard]] bool has_vector(const char* key) const {
-    return json.contains(key) && json[key].is_array() && json[key].size() == 3 &&
-           std::ranges::all_of(json[key], [](const Json& part) { return part.is_number(); });
-  }
-};
-
 Session::Session(SessionOptions options, project::Project project, Outbox& outbox, std::function<void(std::function<void()>)> post)
     : options_(std::move(options)), project_(std::move(project)), outbox_(outbox), post_(std::move(post)) {}
 
 Session::~Session() = default;
 
 void Session::start() {
+  listed_ = used_motions();
   generate();
   if (Result<void> r = ensure_interpreter(); !r) log("error", r.error().text());
 }
 
 void Session::stop() {
+  motion_tasks_.clear();
+  motion_queue_.close();
   ++generation_;
   pid_ = -1;
   process_.reset();
@@ -138,6 +125,12 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
   if (request.op == "command") return execute(request);
   if (request.op == "undo" || request.op == "redo") return undo_or_redo(request.op == "undo");
   if (request.op == "save") return save(request);
+  if (request.op == "motion.cancel") return cancel_motion(request);
+  if (request.op == "motion") {
+    if (Result<void> r = start_motion(request); !r) return fail(std::move(r.error()));
+    answered = false;
+    return {};
+  }
   if (request.op == "remember") return remember(request);
   const bool physics = request.op == "mode"
                            ? request.json.value("mode", "") == "simulate"
@@ -208,15 +201,23 @@ std::string Session::transport_event() const {
 Result<std::string> Session::execute(const Request& request) {
   const auto command = request.json.find("command");
   if (command == request.json.end() || !command->is_object()) return Request::wrong("command", "an object of docs/scenario.md");
+  // Of a large circuit the pages are told what changed in it, not all of it.
+  const bool edit = command->value("type", Json()) == "circuit.edit" && command->contains("changes");
+  return apply(text_of(*command), edit ? text_of((*command)["changes"]) : "");
+}
+
+const store::Library* Session::library() {
   if (!library_ && !options_.library_path.empty()) {
     if (Result<store::Library> opened = store::Library::open(options_.library_path)) library_.emplace(std::move(*opened));
   }
+  return library_ ? &*library_ : nullptr;
+}
+
+Result<std::string> Session::apply(const std::string& command, const std::string& circuit_changes) {
   const std::uint64_t from = project_.revision();
-  Result<project::Change> change = project_.execute(text_of(*command), library_ ? &*library_ : nullptr);
+  Result<project::Change> change = project_.execute(command, library());
   if (!change) return fail(std::move(change.error()));
-  // Of a large circuit the pages are told what changed in it, not all of it.
-  const bool edit = command->value("type", Json()) == "circuit.edit";
-  if (!change->label.empty()) changed(edit ? edited_event(text_of((*command)["changes"]), from) : document_event());
+  if (!change->label.empty()) changed(circuit_changes.empty() ? document_event() : edited_event(circuit_changes, from));
   return ",\"label\":" + text_of(change->label) + ",\"created\":" + text_of(change->created) +
          ",\"revision\":" + std::to_string(project_.revision());
 }
@@ -321,6 +322,10 @@ Result<void> Session::forward(const Request& request) {
 
 void Session::changed(std::string event) {
   outbox_.broadcast(std::move(event));
+  if (std::set<std::string> used = used_motions(); used != listed_) {  // the library's list has the project's own entries
+    listed_ = std::move(used);
+    announce_library();
+  }
   const std::vector<std::byte> before = executable_;
   generate();
   if (!process_ || executable_.empty() || executable_ == before) return;
@@ -494,6 +499,13 @@ void Session::on_time() {
 
 void Session::announce_library() { outbox_.broadcast(R"({"event":"library"})"); }
 
+std::set<std::string> Session::used_motions() const {
+  std::set<std::string> used;
+  for (const content::ScenarioCharacter& c : project_.scenario().characters)
+    for (const content::ScenarioClip& clip : c.track) used.insert(clip.motion);
+  return used;
+}
+
 MechanismPtr Session::find_mechanism(std::string_view id) const {
   const auto found = project_.resources().mechanisms.find(id);
   return found != project_.resources().mechanisms.end() ? found->second : nullptr;
@@ -501,10 +513,12 @@ MechanismPtr Session::find_mechanism(std::string_view id) const {
 
 std::vector<ProjectEntry> Session::project_entries() const {
   const content::Resources& resources = project_.resources();
+  const std::set<std::string> used = used_motions();
   std::vector<ProjectEntry> entries;
   for (const auto& [id, mechanism] : resources.mechanisms) entries.push_back({id, mechanism, id, nullptr});
   for (const auto& [id, motion] : resources.motions) {
     ProjectEntry entry{id, nullptr, "", motion};
+    entry.used = used.contains(id);
     for (const auto& [mechanism_id, mechanism] : resources.mechanisms) {
       if (mechanism->nq() != motion->nq || (entry.mechanism && mechanism->name() != motion->mechanism)) continue;
       entry.mechanism = mechanism;

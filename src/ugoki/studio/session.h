@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "ugoki/store/library.h"
 #include "ugoki/studio/interpreter_process.h"
 #include "ugoki/studio/outbox.h"
+#include "ugoki/studio/task_queue.h"
 
 namespace ugoki::studio {
 
@@ -36,6 +38,7 @@ struct ProjectEntry {
   MechanismPtr mechanism;  ///< of a motion: the one that it fits, perhaps null
   std::string mechanism_id;
   MotionPtr motion;  ///< null: the entry is the mechanism
+  bool used = true;  ///< by the document as it is; otherwise by one that undo may bring back
 };
 
 class Session {
@@ -73,6 +76,17 @@ class Session {
   [[nodiscard]] Result<std::string> serve(const Request& request, bool& answered);
   [[nodiscard]] std::string hello() const;
   [[nodiscard]] Result<std::string> execute(const Request& request);
+  /// Applies a command, with what the pages are told of it. @return the answer's fields
+  [[nodiscard]] Result<std::string> apply(const std::string& command, const std::string& circuit_changes = "");
+  /// The library, opened when it is first needed; null where there is none.
+  [[nodiscard]] const store::Library* library();
+
+  // session_motion.cpp: operations on the motions of clips, done on a thread of their own
+  struct MotionTask;
+  [[nodiscard]] Result<void> start_motion(const Request& request);
+  [[nodiscard]] Result<std::string> cancel_motion(const Request& request);
+  void finish_motion(MotionTask& task);
+  [[nodiscard]] Result<std::string> place_motion(const MotionTask& task);
   [[nodiscard]] Result<std::string> undo_or_redo(bool undo);
   [[nodiscard]] Result<std::string> save(const Request& request);
   [[nodiscard]] std::string choices() const;
@@ -80,6 +94,7 @@ class Session {
   [[nodiscard]] Result<void> check_transport(const Request& request) const;
   [[nodiscard]] Result<void> forward(const Request& request);
 
+  [[nodiscard]] std::set<std::string> used_motions() const;
   /// @param event that tells the pages
   void changed(std::string event);
   [[nodiscard]] std::string document_event() const;
@@ -103,11 +118,14 @@ class Session {
   std::optional<store::Library> library_;
   Outbox& outbox_;
   std::function<void(std::function<void()>)> post_;
+  std::map<std::string, std::shared_ptr<MotionTask>> motion_tasks_;  ///< by the page's name for them
+  TaskQueue motion_queue_;
 
   std::unique_ptr<InterpreterProcess> process_;
   std::atomic<int> pid_ = -1;
   std::uint64_t generation_ = 0;                 ///< of the process; what comes from older ones is ignored
   std::vector<std::byte> executable_;            ///< the newest that could be generated
+  std::set<std::string> listed_;                 ///< motions of the project that the library's list has
   std::string lsis_;                             ///< newest lsis event: what circuits may be made of
   std::string stopped_;                          ///< newest stopped event, until it runs again; may be empty
   std::filesystem::file_time_type shelf_stamp_;  ///< of the installed libraries when the interpreter was lost

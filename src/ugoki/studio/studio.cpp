@@ -81,7 +81,8 @@ class LateOutbox final : public Outbox {
 
 }  // namespace
 
-/// Four threads beside the caller's: the server's, the session's (project, commands), the library's (lists, previews), that of imports.
+/// Five threads beside the caller's: the server's, the session's (project, commands) and its own for operations on motions, the library's
+/// (lists, previews), that of imports.
 class Studio::Impl final : public ServerEvents {
  public:
   Impl(const StudioOptions& options, project::Project project)
@@ -223,6 +224,12 @@ void Studio::Impl::on_api(ApiRequest request, std::function<void(ApiReply)> answ
     session_queue_->post([this, id, reply = std::move(answer)]() mutable {
       answer_on(*library_queue_, std::move(reply),
                 [this, id, project = session_->project_entries()] { return previews_.motion(id, project); });
+    });
+  } else if (path.starts_with("/api/contacts/") && get) {
+    const std::string id = path.substr(std::string_view("/api/contacts/").size());
+    session_queue_->post([this, id, reply = std::move(answer)]() mutable {
+      answer_on(*library_queue_, std::move(reply),
+                [this, id, project = session_->project_entries()] { return previews_.contacts(id, project); });
     });
   } else if (path == "/api/reference-figure" && get) {
     const double height = parse_double(query_value(request.query, "height").value_or("")).value_or(1.8);

@@ -41,6 +41,8 @@ export class Client {
   private closed = false;
   private timer: ReturnType<typeof setTimeout> | null = null;
   private readonly waiting = new Map<number, Waiting>();
+  /** Ids of the newest requests that are answered only when they fail, by their operation. */
+  private readonly posted = new Map<string, number>();
 
   constructor(
     private readonly make_socket: () => SocketLike,
@@ -93,6 +95,18 @@ export class Client {
       this.waiting.set(id, { resolve, reject });
       socket.send(JSON.stringify({ id, ...request }));
     });
+  }
+
+  /** Sends what is answered only when it fails: of each kind the newest alone is waited for. */
+  post(request: Request, failed: (error: Error) => void): void {
+    const socket = this.socket;
+    if (!socket || socket.readyState !== open_state) return;
+    const id = this.next_id++;
+    const before = this.posted.get(request.op);
+    if (before !== undefined) this.waiting.delete(before);
+    this.posted.set(request.op, id);
+    this.waiting.set(id, { resolve: () => undefined, reject: failed });
+    socket.send(JSON.stringify({ id, ...request }));
   }
 
   private lost(socket: SocketLike): void {

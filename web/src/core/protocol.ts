@@ -3,6 +3,7 @@ import type { LsiClass, PinType } from './circuit/classes';
 import type { Change, Circuit } from './circuit/form';
 import type { ValuesEvent } from './circuit/live';
 import type { Command, ScenarioDocument } from './document';
+import type { InputMessage } from './play_controls';
 
 export interface Problem {
   code?: string;
@@ -95,6 +96,8 @@ export interface HelloReply extends DocumentState {
   lsis?: LsisEvent | null;
   circuit_problems?: Problem[];
   stopped?: StoppedEvent | null;
+  /** What the running circuit reads of keyboard, mouse and gamepads. */
+  devices?: unknown;
 }
 
 export interface StoppedEvent {
@@ -116,6 +119,7 @@ export type ServiceEvent =
   | ({ event: 'log' } & LogLine)
   | { event: 'library' }
   | ({ event: 'lsis' } & LsisEvent)
+  | { event: 'devices' }
   | { event: 'circuit'; problems: Problem[] }
   | ({ event: 'values' } & ValuesEvent)
   | ({ event: 'stopped' } & StoppedEvent);
@@ -133,7 +137,24 @@ export type Request =
   | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
   | { op: 'drag'; target: Vec3 }
   | { op: 'watch'; pins: string[]; probes: string[]; timing: boolean; nearest: boolean }
-  | { op: 'push'; character: string; link: number; force: Vec3; duration: number };
+  | ({ op: 'input' } & InputMessage)
+  | { op: 'push'; character: string; link: number; force: Vec3; duration: number }
+  | MotionRequest
+  | { op: 'motion.cancel'; task: string };
+
+/** An operation on the motion of a clip; `motion` is the second one, the others say for which body. */
+export interface MotionRequest {
+  op: 'motion';
+  task: string;
+  character: string;
+  clip: string;
+  operation: string;
+  options: object;
+  motion?: string;
+  mechanism?: string;
+  height?: number;
+  sample?: 'dog' | 'human';
+}
 
 export type Vec3 = [number, number, number];
 

@@ -2,6 +2,7 @@
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { ClassList } from './circuit/classes';
 import { LiveValues } from './circuit/live';
+import { PlayControls, read_devices } from './play_controls';
 import { Client, LatestOnly, type SocketLike } from './client';
 import { apply_command, type Command, type ScenarioDocument } from './document';
 import { FrameRing } from './frames';
@@ -33,6 +34,8 @@ export class Session {
   readonly frames = new FrameRing();
   /** Of the running circuit, as far as `watch` asked for them. */
   readonly live = new LiveValues();
+  /** Keyboard, mouse and gamepads on their way to the content. */
+  readonly controls = new PlayControls((input) => this.client.post({ op: 'input', ...input }, (error) => this.fail(error)));
   private watched = '';
   private looked_at: { pins: string[]; probes: string[]; timing: boolean } = { pins: [], probes: [], timing: false };
   private readonly client: Client;
@@ -65,7 +68,7 @@ export class Session {
       // the service answers a drag only when it fails, so the pace is the page's: one in 16 ms
       (target) =>
         new Promise<void>((resolve, reject) => {
-          this.client.request({ op: 'drag', target }).catch(reject);
+          this.client.post({ op: 'drag', target }, reject);
           setTimeout(resolve, 16);
         }),
       (error) => this.fail(error),
@@ -301,6 +304,17 @@ export class Session {
     this.toast(level, [{ message }]);
   }
 
+  /** What was done, a sentence each: shown for a while, and kept in the log. */
+  tell(title: string, lines: readonly string[]): void {
+    this.toast('info', [{ place: title, message: lines[0] ?? 'Done.' }, ...lines.slice(1).map((message) => ({ message }))]);
+    for (const line of lines) this.log('info', `${title} — ${line}`);
+  }
+
+  /** A request whose failure is the caller's. */
+  ask(request: Request): Promise<Record<string, unknown>> {
+    return this.client.request(request);
+  }
+
   fail(error: Error, place?: string): void {
     const problems: Problem[] = error instanceof RequestError ? error.problems : [{ message: error.message }];
     const shown = place ? problems.map((p) => ({ ...p, place: p.place || place })) : problems;
@@ -326,7 +340,7 @@ export class Session {
   private toast(level: Toast['level'], problems: Problem[]): void {
     const toast = { id: this.next_id++, level, problems };
     this.set({ toasts: [...this.state.toasts.slice(-3), toast] });
-    if (level === 'info') setTimeout(() => this.dismiss(toast.id), 3500);
+    if (level === 'info') setTimeout(() => this.dismiss(toast.id), 3500 + 1500 * (problems.length - 1));
   }
 
   private request(request: Request): Promise<Record<string, unknown> | null> {
@@ -360,6 +374,8 @@ export class Session {
 
   private connected(hello: HelloReply): void {
     this.watched = '';
+    this.controls.forget();
+    this.controls.set_devices(read_devices(hello.devices));
     if (hello.lsis) this.take_lsis(hello.lsis);
     this.take_document(hello);
     const first = this.state.connection === 'connecting';
@@ -429,6 +445,9 @@ export class Session {
         break;
       case 'lsis':
         this.take_lsis(event);
+        break;
+      case 'devices':
+        this.controls.set_devices(read_devices(event));
         break;
       case 'circuit':
         this.set({ circuit_problems: event.problems });

@@ -9,6 +9,9 @@ import { ImportDialog } from './library/ImportDialog';
 import { LibraryPanel } from './library/LibraryPanel';
 import { CircuitPanel } from './circuit/CircuitPanel';
 import { LogPanel, NaturalnessPanel } from './lower_panels';
+import { ClipMenu } from './motion/ClipMenu';
+import { MotionDialog } from './motion/MotionDialog';
+import { Tasks } from './motion/Tasks';
 import { ScenarioPanel } from './ScenarioPanel';
 import { TopBar } from './TopBar';
 import { ViewportPanel } from './ViewportPanel';
@@ -189,6 +192,9 @@ export function App(): ReactElement {
       <Toasts />
       <Dialogs />
       <ImportDialog />
+      <ClipMenu />
+      <MotionDialog />
+      <Tasks />
     </div>
   );
 }

@@ -8,6 +8,7 @@ import { shown_document } from '../core/state';
 import { run } from './actions';
 import { session, useStudio } from './app';
 import { CircuitSelection } from './circuit/LsiInspector';
+import { MotionOperations } from './motion/ClipMenu';
 import { EntryDetails } from './library/EntryDetails';
 import { ChoiceField, NumberField, SwitchField, TextField } from './NumberField';
 
@@ -71,6 +72,7 @@ function ClipFieldsView({ character, clip, entry }: { character: string; clip: C
         <button type="button" onClick={() => run('edit.duplicate')}>Duplicate</button>
         <button type="button" onClick={() => run('edit.remove')}>Delete</button>
       </div>
+      <MotionOperations character={character} clip={clip} />
     </>
   );
 }

@@ -8,7 +8,8 @@ import { selected_character } from '../core/state';
 import { PointerControl } from '../view/pointer';
 import { Viewport } from '../view/viewport';
 import { add_character, append_motion, run, set_view } from './actions';
-import { page, parts, registry, session, usePage, useStudio } from './app';
+import { page, parts, registry, session, useControls, usePage, useStudio } from './app';
+import { PlayControlsBar } from './PlayControlsBar';
 import { ViewCube } from './ViewCube';
 
 export function ViewportPanel(): ReactElement {
@@ -20,6 +21,7 @@ export function ViewportPanel(): ReactElement {
   const dragging = usePage((s) => s.dragged_entry !== null);
   const empty = useStudio((s) => s.document !== null && s.document.characters.length === 0);
   const running = useStudio((s) => s.transport.mode === 'simulate' && s.transport.playing);
+  const controls = useControls((s) => s.on);
 
   useEffect(() => {
     if (!canvas.current || !host.current) return;
@@ -73,7 +75,7 @@ export function ViewportPanel(): ReactElement {
   return (
     <div
       ref={host}
-      className={dragging ? 'viewport drop-here' : 'viewport'}
+      className={dragging ? 'viewport drop-here' : controls ? 'viewport controlled' : 'viewport'}
       onDragOver={(e) => {
         if (page.getState().dragged_entry) e.preventDefault();
       }}
@@ -99,7 +101,8 @@ export function ViewportPanel(): ReactElement {
       {viewport && <Badges viewport={viewport} />}
       {viewport && <Distances viewport={viewport} />}
       <AssistCard />
-      {running && <p className="viewport-hint">Press on a figure and pull</p>}
+      {running && !controls && <p className="viewport-hint">Press on a figure and pull</p>}
+      <PlayControlsBar host={host} />
     </div>
   );
 }

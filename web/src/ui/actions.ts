@@ -1,6 +1,7 @@
 /** Every command of the page, by name and key. */
 import { content_end, find_character, find_clip, find_event, track_end, type Clip, type Command } from '../core/document';
 import type { AppCommand } from '../core/commands';
+import { reads_anything } from '../core/play_controls';
 import type { StudioState, ViewOptions } from '../core/state';
 import { circuit, parts, registry, session } from './app';
 
@@ -131,6 +132,14 @@ function keep_camera(): void {
   });
 }
 
+/** The content runs, and what the user holds in hand goes to it until Escape. */
+export function enter_controls(): void {
+  const { transport } = state();
+  if (transport.mode !== 'simulate') session.set_mode('simulate');
+  if (!transport.playing) session.play();
+  session.controls.enter();
+}
+
 const look = (azimuth: number, elevation: number) => (): void => {
   parts.viewport?.rig.look_from(azimuth, elevation);
   parts.viewport?.invalidate();
@@ -176,6 +185,7 @@ const commands: AppCommand[] = [
   { id: 'play.on', label: 'One frame on', group: 'Transport', keys: ['ArrowRight', '.'], enabled: has_document, run: () => session.step(1) },
   { id: 'play.restart', label: 'Simulate again from the start', group: 'Transport', keys: ['Shift+R'], enabled: () => state().transport.mode === 'simulate', run: () => session.restart() },
   { id: 'mode.toggle', label: 'Switch between Edit and Simulate', group: 'Transport', keys: ['`'], industry: ['Q'], enabled: has_document, run: () => session.set_mode(state().transport.mode === 'edit' ? 'simulate' : 'edit') },
+  { id: 'play.controls', label: 'Play controls: keys, mouse and gamepad go to the content', group: 'Transport', keys: ['Shift+Space'], enabled: () => reads_anything(session.controls.devices), run: enter_controls },
   ...[0.25, 0.5, 1, 2].map((speed): AppCommand => ({ id: `play.speed_${speed}`, label: `Speed ${speed}×`, group: 'Transport', run: () => session.set_speed(speed) })),
 
   { id: 'view.frame', label: 'Frame selection', group: 'View', keys: ['F'], blender: ['NumpadDecimal'], run: () => parts.viewport?.frame_selection() },

@@ -6,6 +6,7 @@ import { CommandRegistry } from '../core/commands';
 import type { FigureState } from '../core/frames';
 import { LibraryBrowser, type BrowserState } from '../core/library/browser';
 import { ImportQueue, type ImportState } from '../core/library/imports';
+import { MotionDesk, type DeskState } from '../core/motion/desk';
 import { Session } from '../core/session';
 import { shown_circuit, type StudioState } from '../core/state';
 import type { SocketLike } from '../core/client';
@@ -58,11 +59,20 @@ export const imports = new ImportQueue({
   },
 });
 
+export const desk = new MotionDesk({
+  request: (request) => session.ask(request),
+  fetch: (path) => fetch(with_token(path)),
+  fail: (error) => session.fail(error),
+  tell: (title, lines) => session.tell(title, lines),
+  select: (selection) => session.select(selection),
+});
+
 // motions of the scenario that no page of the library has brought yet: looked up once each
 const asked = new Set<string>();
 session.store.subscribe((state, before) => {
   if (state.document === before.document) return;
   for (const character of state.document?.characters ?? []) {
+    for (const clip of character.track) void desk.need_contacts(clip.motion);
     for (const id of [character.mechanism, ...character.track.map((clip) => clip.motion)]) {
       if (session.entry(id) || asked.has(id)) continue;
       asked.add(id);
@@ -125,6 +135,14 @@ export function useLibrary<T>(pick: (state: BrowserState) => T): T {
 
 export function useImports<T>(pick: (state: ImportState) => T): T {
   return useStore(imports.store, pick);
+}
+
+export function useControls<T>(pick: (state: ReturnType<typeof session.controls.store.getState>) => T): T {
+  return useStore(session.controls.store, pick);
+}
+
+export function useDesk<T>(pick: (state: DeskState) => T): T {
+  return useStore(desk.store, pick);
 }
 
 export function usePage<T>(pick: (state: PageState) => T): T {

@@ -14,7 +14,7 @@ export function Dialogs(): ReactElement | null {
   return null;
 }
 
-function Backdrop({ children, label, top }: { children: ReactElement; label: string; top?: boolean }): ReactElement {
+export function Backdrop({ children, label, top, close: leave = close }: { children: ReactElement; label: string; top?: boolean; close?: () => void }): ReactElement {
   const before = useRef<Element | null>(null);
   useEffect(() => {
     before.current = document.activeElement;
@@ -23,12 +23,12 @@ function Backdrop({ children, label, top }: { children: ReactElement; label: str
   return (
     <div
       className={top ? 'backdrop top' : 'backdrop'}
-      onPointerDown={(e) => e.target === e.currentTarget && close()}
+      onPointerDown={(e) => e.target === e.currentTarget && leave()}
       onKeyDown={(e) => {
         if (e.key !== 'Escape') return;
         e.preventDefault(); // a field keeps its keys from the page's own list
         e.stopPropagation();
-        close();
+        leave();
       }}
     >
       <div className="dialog" role="dialog" aria-modal="true" aria-label={label}>

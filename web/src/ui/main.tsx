@@ -3,6 +3,7 @@ import 'dockview/dist/styles/dockview.css';
 import './styles.css';
 import './panels.css';
 import './library/library.css';
+import './motion/motion.css';
 import { App } from './App';
 import { register_commands } from './actions';
 import { session } from './app';

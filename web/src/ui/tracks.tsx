@@ -4,7 +4,8 @@ import { apply_command, blend_spans, find_character, type Character, type Clip, 
 import { format_number, format_time } from '../core/format';
 import { changed_fields, drag_clip, ends_moving, move_clip, snap_delta, snap_targets, time_to_x, type ClipDragKind, type SnapRules, type TimeView } from '../core/timeline';
 import { shown_document } from '../core/state';
-import { plain_canvas, session, usePage, useStudio } from './app';
+import { band_gradient } from '../core/motion/desk';
+import { desk, plain_canvas, session, useDesk, usePage, useStudio } from './app';
 
 const edge_px = 7;
 const snap_px = 8;
@@ -268,6 +269,11 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
     let at = (motion_duration - (clip.offset % motion_duration)) / clip.speed;
     for (; at < clip.length - 1e-6 && loop_marks.length < 200; at += period) if (period * view.scale > 6) loop_marks.push(at * view.scale);
   }
+  const contacts = useDesk((s) => s.contacts[clip.motion]);
+  const menu = (x: number, y: number): void => {
+    session.select({ kind: 'clip', character, clip: clip.id });
+    desk.open_menu({ character, clip: clip.id, x, y });
+  };
   const details = [clip.speed !== 1 && `× ${format_number(clip.speed)}`, clip.loop && '↻'].filter(Boolean).join('  ');
   return (
     <div
@@ -281,11 +287,30 @@ function ClipBox({ character, clip, name, motion_duration, view, covered, select
       onPointerDown={down}
       onPointerMove={hover}
       onFocus={() => session.select({ kind: 'clip', character, clip: clip.id })}
+      onContextMenu={(e) => {
+        e.preventDefault();
+        const box = e.currentTarget.getBoundingClientRect();
+        // the key for menus has no place
+        if (e.button === 2) menu(e.clientX, e.clientY);
+        else menu(Math.max(box.left, 0) + 8, box.bottom);
+      }}
     >
       {clip.blend > 0 && clip.start > 0 && <span className="fade" style={{ width: Math.min(width, clip.blend * view.scale) }} />}
       {loop_marks.map((x) => (
         <span key={x} className="loop-mark" style={{ left: x }} />
       ))}
+      {contacts && contacts.feet.length > 0 && motion_duration !== undefined && motion_duration > 0 && (
+        <span
+          className="contact-bands"
+          role="img"
+          aria-label="When feet stand: green two or more, yellow one, orange none"
+          style={{
+            backgroundImage: band_gradient(contacts.bands, motion_duration),
+            backgroundSize: `${(motion_duration / clip.speed) * view.scale}px 100%`,
+            backgroundPositionX: -(clip.offset / clip.speed) * view.scale,
+          }}
+        />
+      )}
       <span className="clip-name" style={covered > 0 ? { marginLeft: Math.min(covered * view.scale, width / 2) } : undefined}>
         {name}
         {details && <span className="clip-details"> {details}</span>}

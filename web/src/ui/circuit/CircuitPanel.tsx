@@ -16,7 +16,7 @@ import type { AnyNode } from './elements';
 import { lay_out } from './elk';
 import { kept_viewport, useFraming, type Framing } from './framing';
 import { on_key } from './keys';
-import { Menu, type MenuItem } from './Menu';
+import { Menu, type MenuItem } from '../Menu';
 import { menu_items, type CanvasActions } from './menu_items';
 import { Minimap } from './Minimap';
 import { double_click, pin_of, useMarquee, useNodeDrag, useWiring } from './mouse';
@@ -101,7 +101,7 @@ function Canvas(): ReactElement {
 
   const press = (event: PointerEvent<HTMLDivElement>): void => {
     const target = event.target as HTMLElement;
-    if (target.closest('.circuit-menu, .circuit-search')) return; // theirs
+    if (target.closest('.menu, .circuit-search')) return; // theirs
     pressing.current = true;
     circuit.forget_refusal();
     if (!is_typing(target)) panel.current?.focus({ preventScroll: true });

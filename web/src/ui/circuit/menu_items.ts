@@ -3,7 +3,7 @@ import type { PinAt } from '../../core/circuit/fits';
 import type { View } from '../../core/circuit/view';
 import { circuit } from '../app';
 import { copy, paste } from './clipboard';
-import type { MenuItem } from './Menu';
+import type { MenuItem } from '../Menu';
 import type { Client, Surface } from './surface';
 
 export interface CanvasActions {

@@ -1,15 +1,25 @@
 /** The menu of the right button: what can be done with what is under it. */
-import { useEffect, useRef, type ReactElement } from 'react';
+import { Fragment, useEffect, useLayoutEffect, useRef, type ReactElement } from 'react';
 
 export interface MenuItem {
   label: string;
   key?: string;
   run: () => void;
   disabled?: boolean;
+  title?: string;
+  /** A line above it. */
+  apart?: boolean;
 }
 
-export function Menu({ x, y, items, close }: { x: number; y: number; items: MenuItem[]; close: () => void }): ReactElement {
+/** `x`, `y`: in what it is put into; with `over` in the window, over everything. */
+export function Menu({ x, y, items, close, over = false, label }: { x: number; y: number; items: MenuItem[]; close: () => void; over?: boolean; label?: string }): ReactElement {
   const element = useRef<HTMLDivElement>(null);
+  useLayoutEffect(() => {
+    const menu = element.current;
+    if (!over || !menu) return;
+    menu.style.left = `${Math.max(4, Math.min(x, window.innerWidth - menu.offsetWidth - 4))}px`;
+    menu.style.top = `${Math.max(4, Math.min(y, window.innerHeight - menu.offsetHeight - 4))}px`;
+  }, [over, x, y]);
   useEffect(() => {
     element.current?.querySelector<HTMLElement>('button:not(:disabled)')?.focus();
     const outside = (event: PointerEvent): void => {
@@ -21,8 +31,9 @@ export function Menu({ x, y, items, close }: { x: number; y: number; items: Menu
   return (
     <div
       ref={element}
-      className="circuit-menu"
+      className={over ? 'menu over' : 'menu'}
       role="menu"
+      aria-label={label}
       style={{ left: x, top: y }}
       onKeyDown={(e) => {
         e.stopPropagation();
@@ -36,19 +47,22 @@ export function Menu({ x, y, items, close }: { x: number; y: number; items: Menu
       }}
     >
       {items.map((item) => (
-        <button
-          key={item.label}
-          type="button"
-          role="menuitem"
-          disabled={item.disabled}
-          onClick={() => {
-            close();
-            item.run();
-          }}
-        >
-          <span>{item.label}</span>
-          {item.key && <kbd>{item.key}</kbd>}
-        </button>
+        <Fragment key={item.label}>
+          {item.apart && <hr />}
+          <button
+            type="button"
+            role="menuitem"
+            disabled={item.disabled}
+            title={item.title}
+            onClick={() => {
+              close();
+              item.run();
+            }}
+          >
+            <span>{item.label}</span>
+            {item.key && <kbd>{item.key}</kbd>}
+          </button>
+        </Fragment>
       ))}
     </div>
   );

@@ -1,0 +1,223 @@
+// Session: operations on the motions of clips. They run beside the session; what they make becomes one command, so that undo takes it back.
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "ugoki/base/number.h"
+#include "ugoki/formats/mechanism_json.h"
+#include "ugoki/formats/motion_binary.h"
+#include "ugoki/samples/samples.h"
+#include "ugoki/studio/motion_edits.h"
+#include "ugoki/studio/motion_source.h"
+#include "ugoki/studio/session_request.h"
+
+namespace ugoki::studio {
+namespace {
+
+using json::Json;
+
+std::string text_field(const Json& json, const char* key) {
+  return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();
+}
+
+/// An id that nothing in the document has.
+std::string free_id(const content::Scenario& scenario, char letter) {
+  std::set<std::string> used;
+  for (const content::ScenarioCharacter& c : scenario.characters) {
+    used.insert(c.id);
+    for (const content::ScenarioClip& clip : c.track) used.insert(clip.id);
+  }
+  for (const content::ScenarioEvent& e : scenario.events) used.insert(e.id);
+  for (int n = 1;; ++n)
+    if (std::string id = letter + std::to_string(n); !used.contains(id)) return id;
+}
+
+/// To the right of `place`, where nobody else begins.
+content::ScenarioPlace place_beside(const content::Scenario& scenario, const content::ScenarioPlace& place) {
+  constexpr double beside = 1.2;  // m
+  const double heading = place.heading * std::numbers::pi / 180;
+  content::ScenarioPlace spot = place;
+  const auto taken = [&](const content::ScenarioCharacter& c) { return std::hypot(c.place.x - spot.x, c.place.y - spot.y) < 0.9 * beside; };
+  for (int n = 1; n == 1 || std::ranges::any_of(scenario.characters, taken); ++n) {
+    spot.x = place.x + n * beside * std::sin(heading);
+    spot.y = place.y - n * beside * std::cos(heading);
+  }
+  return spot;
+}
+
+std::span<const std::byte> bytes_of(const std::string& text) { return {reinterpret_cast<const std::byte*>(text.data()), text.size()}; }
+
+Json timing_of(const content::ScenarioClip& clip) {
+  return {{"start", clip.start}, {"length", clip.length}, {"offset", clip.offset},
+          {"speed", clip.speed}, {"blend", clip.blend},   {"loop", clip.loop}};
+}
+
+}  // namespace
+
+struct Session::MotionTask {
+  std::string name;
+  ClientId client = 0;
+  std::string reply_to;
+  std::string character;
+  std::string body_id;  ///< of the mechanism that is retargeted to, where somebody has it
+  MotionEdit edit;
+  Result<EditedMotion> made;
+  std::atomic<bool> cancelled = false;
+};
+
+namespace {
+
+/// The body of a retargeting: an id of the project or the library, or a sample by its height or name.
+struct Body {
+  MechanismPtr mechanism;
+  std::string id;
+};
+
+Result<Body> find_body(const Json& request, MechanismPtr of_project, const store::Library* library) {
+  const std::string id = text_field(request, "mechanism"), sample = text_field(request, "sample");
+  if (of_project) return Body{std::move(of_project), id};
+  if (sample == "dog") return Body{samples::make_dog(), ""};
+  if (sample == "human" || (request.contains("height") && request["height"].is_number())) {
+    constexpr double usual_height = 1.75;
+    Result<MechanismPtr> person = samples::make_person(sample == "human" ? usual_height : request["height"].get<double>());
+    if (!person) return fail(std::move(person.error()));
+    return Body{std::move(*person), ""};
+  }
+  if (id.empty() || library == nullptr)
+    return fail(ErrorCode::structure, "mechanism", "It is not said for which body.", "Give \"mechanism\", \"height\" or \"sample\".");
+  const Result<store::LibraryEntry> entry = library->get(id);
+  if (!entry) return fail(entry.error());
+  const std::string content = entry->id == id ? entry->content : id;
+  Result<MechanismPtr> loaded = load_mechanism(content, *library);
+  if (!loaded) return fail(std::move(loaded.error()));
+  return Body{std::move(*loaded), content};
+}
+
+}  // namespace
+
+Result<void> Session::start_motion(const Request& request) {
+  constexpr std::size_t most_tasks = 16;
+  auto task = std::make_shared<MotionTask>();
+  task->name = text_field(request.json, "task");
+  task->client = request.client;
+  task->reply_to = request.reply_to;
+  task->character = text_field(request.json, "character");
+  MotionEdit& edit = task->edit;
+  edit.operation = text_field(request.json, "operation");
+  if (task->name.empty() || task->name.size() > 40 || motion_tasks_.contains(task->name))
+    return Request::wrong("task", "a new name of at most 40 characters");
+  if (motion_tasks_.size() >= most_tasks)
+    return fail(ErrorCode::conflict, "task", std::to_string(most_tasks) + " operations are at work already.",
+                "Wait for one, or cancel it.");
+  const Result<Needs> needs = needs_of(edit.operation);
+  if (!needs) return fail(needs.error());
+  if (request.json.contains("options")) edit.options = request.json["options"];
+
+  const content::ScenarioCharacter* character = project_.scenario().find_character(task->character);
+  const std::string clip_id = text_field(request.json, "clip");
+  if (character == nullptr) return Request::wrong("character", "a character's id");
+  const auto clip = std::ranges::find_if(character->track, [&](const content::ScenarioClip& c) { return c.id == clip_id; });
+  if (clip == character->track.end()) return Request::wrong("clip", "the id of a clip of that character");
+  const content::Resources& resources = project_.resources();
+  edit.mechanism = find_mechanism(character->mechanism);
+  const auto motion_of = [&](const content::ScenarioClip& c) {
+    const auto found = resources.motions.find(c.motion);
+    return ClipMotion{c, found != resources.motions.end() ? found->second : nullptr};
+  };
+  edit.of = motion_of(*clip);
+  if (!edit.mechanism || !edit.of.motion)
+    return fail(ErrorCode::unknown, "clip " + clip_id, "The project lacks its motion or its mechanism.",
+                "Put the motion on the track anew.");
+  if (*needs == Needs::next_clip && clip + 1 != character->track.end()) edit.next = motion_of(*(clip + 1));
+  if (*needs == Needs::other_motion) {
+    const std::string id = text_field(request.json, "motion");
+    if (id.empty()) return Request::wrong("motion", "the id of the second motion");
+    Result<ProjectEntry> other = find_motion(id, project_entries(), library());
+    if (!other) return fail(std::move(other.error()));
+    edit.other = std::move(other->motion);
+    edit.other_mechanism = std::move(other->mechanism);
+  }
+  if (*needs == Needs::body) {
+    Result<Body> body = find_body(request.json, find_mechanism(text_field(request.json, "mechanism")), library());
+    if (!body) return fail(std::move(body.error()));
+    edit.body = std::move(body->mechanism);
+    task->body_id = std::move(body->id);
+  }
+
+  motion_tasks_[task->name] = task;
+  motion_queue_.post([this, task] {
+    if (task->cancelled) return;
+    try {
+      task->made = edit_motion(task->edit);
+    } catch (const std::exception& e) {  // out of memory
+      task->made =
+          fail(ErrorCode::io, task->edit.operation, std::string("The studio failed at this: ") + e.what() + ".", "Use a shorter part.");
+    }
+    post_([this, task] { finish_motion(*task); });
+  });
+  return {};
+}
+
+Result<std::string> Session::cancel_motion(const Request& request) {
+  const auto found = motion_tasks_.find(text_field(request.json, "task"));
+  if (found == motion_tasks_.end()) return std::string();  // it ended in the meantime
+  const std::shared_ptr<MotionTask> task = found->second;
+  motion_tasks_.erase(found);
+  task->cancelled = true;  // what it makes is dropped
+  reply(task->client, task->reply_to, std::string(",\"cancelled\":true"));
+  return std::string();
+}
+
+void Session::finish_motion(MotionTask& task) {
+  if (task.cancelled) return;
+  motion_tasks_.erase(task.name);
+  reply(task.client, task.reply_to, task.made ? place_motion(task) : Result<std::string>(fail(task.made.error())));
+}
+
+/// Puts the motion into the project and where the clip is, as one command.
+Result<std::string> Session::place_motion(const MotionTask& task) {
+  const EditedMotion& made = *task.made;
+  const std::vector<std::byte> data = formats::write_motion(made.motion);
+  const std::string id = store::entry_id(store::EntryKind::motion, data);
+  const content::ScenarioCharacter* character = project_.scenario().find_character(task.character);
+  if (character == nullptr)
+    return fail(ErrorCode::conflict, "character " + task.character, "Somebody removed it while its motion was made.",
+                "Undo that, then try again.");
+  Json commands = Json::array();
+  std::string on = task.character, clip = made.clip.id;
+  if (task.edit.body) {
+    std::string mechanism = task.body_id;
+    if (mechanism.empty()) {
+      const std::string text = formats::write_mechanism(*task.edit.body);
+      mechanism = store::entry_id(store::EntryKind::mechanism, bytes_of(text));
+      for (const auto& [known, body] : project_.resources().mechanisms)  // the same body under another id is not put in twice
+        if (formats::write_mechanism(*body) == text) mechanism = known;
+      if (Result<void> put = project_.add_resource(mechanism, "mechanism", bytes_of(text)); !put) return fail(std::move(put.error()));
+    }
+    on = free_id(project_.scenario(), 'c');
+    clip = free_id(project_.scenario(), 'k');
+    const content::ScenarioPlace spot = place_beside(project_.scenario(), character->place);
+    const Json place = {{"x", spot.x}, {"y", spot.y}, {"heading", spot.heading}};
+    commands.push_back({{"type", "character.add"}, {"id", on}, {"mechanism", mechanism}, {"place", place}});
+    Json add = timing_of(made.clip);
+    add.update({{"type", "clip.add"}, {"character", on}, {"id", clip}, {"motion", id}});
+    commands.push_back(std::move(add));
+  } else {
+    Json set = timing_of(made.clip);
+    set.update({{"type", "clip.set"}, {"character", on}, {"id", clip}, {"motion", id}});
+    commands.push_back(std::move(set));
+    if (task.edit.operation == "join") commands.push_back({{"type", "clip.remove"}, {"character", on}, {"id", task.edit.next.clip.id}});
+  }
+  if (Result<void> put = project_.add_resource(id, "motion", data); !put) return fail(std::move(put.error()));
+  Result<std::string> fields = apply(json::to_text({{"type", "group"}, {"label", made.label}, {"commands", std::move(commands)}}));
+  if (!fields) return fields;
+  const Json report = made.report;
+  return *fields + ",\"character\":" + json::to_text(on) + ",\"clip\":" + json::to_text(clip) + ",\"motion\":" + json::to_text(id) +
+         ",\"report\":" + json::to_text(report);
+}
+
+}  // namespace ugoki::studio

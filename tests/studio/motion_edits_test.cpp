@@ -1,0 +1,240 @@
+// Operations on clips' motions: what the clip shows afterwards, checked against what it showed before.
+#include "ugoki/studio/motion_edits.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "ugoki/motion/clip.h"
+#include "ugoki/motion_edit/foot_contacts.h"
+#include "ugoki/motion_edit/root_path.h"
+#include "ugoki/samples/samples.h"
+
+namespace ugoki::studio {
+namespace {
+
+using json::Json;
+
+/// The sample's walk (one cyclic stride) and stand, on the sample's human.
+struct Cast {
+  samples::Sample sample = samples::make_sample();
+  MechanismPtr human = sample.resources.mechanisms.at("human");
+  MotionPtr walk = sample.resources.motions.at("human-walk"), stand = sample.resources.motions.at("human-stand");
+};
+const Cast& cast() {
+  static const Cast only;
+  return only;
+}
+
+MotionEdit make_edit(const std::string& operation, Json options = Json::object(), double offset = 0, double length = 0, double speed = 1,
+                     bool loop = false) {
+  MotionEdit edit;
+  edit.operation = operation;
+  edit.options = std::move(options);
+  edit.mechanism = cast().human;
+  edit.of.motion = cast().walk;
+  edit.of.clip.id = "k1";
+  edit.of.clip.start = 1;
+  edit.of.clip.offset = offset;
+  edit.of.clip.speed = speed;
+  edit.of.clip.loop = loop;
+  edit.of.clip.length = length > 0 ? length : cast().walk->duration() / speed;
+  return edit;
+}
+
+EditedMotion run(const MotionEdit& edit) {
+  Result<EditedMotion> made = edit_motion(edit);
+  EXPECT_TRUE(made) << edit.operation << ": " << (made ? "" : made.error().text());
+  if (!made) return {};
+  EXPECT_EQ(check_motion(made->motion, *cast().human).text(), "") << edit.operation;
+  EXPECT_FALSE(made->label.empty());
+  EXPECT_GT(made->clip.length, 0);
+  if (!made->clip.loop)
+    EXPECT_LE(made->clip.offset + made->clip.length * made->clip.speed, made->motion.duration() + 1e-9) << edit.operation;
+  return std::move(*made);
+}
+
+/// What the edited clip shows, frame by frame.
+Motion shown(const EditedMotion& made) {
+  return bake_clip(*cast().human, {made.clip, std::make_shared<const Motion>(made.motion)}).value();
+}
+Motion shown(const MotionEdit& edit) { return bake_clip(*edit.mechanism, edit.of).value(); }
+
+double greatest_difference(const Motion& a, const Motion& b, bool backwards = false) {
+  EXPECT_EQ(a.frames, b.frames);
+  double most = 0;
+  for (int f = 0; f < std::min(a.frames, b.frames); ++f)
+    for (int k = 0; k < a.nq; ++k) most = std::max(most, std::fabs(a.frame(f)[k] - b.frame(backwards ? b.frames - 1 - f : f)[k]));
+  return most;
+}
+
+double direction(const Motion& motion, bool end) {
+  const std::vector<motion_edit::PathPoint> way = motion_edit::root_path(*cast().human, motion);
+  const std::size_t reach = way.size() / 8, from = end ? way.size() - 1 - reach : 0;
+  return std::atan2(way[from + reach].y - way[from].y, way[from + reach].x - way[from].x);
+}
+
+/// Three strides in a row.
+MotionEdit long_walk(const std::string& operation, Json options = Json::object()) {
+  MotionEdit edit = make_edit("trim", Json::object(), 0, 3 * cast().walk->duration(), 1, true);
+  const EditedMotion strides = run(edit);
+  edit.operation = operation;
+  edit.options = std::move(options);
+  edit.of.motion = std::make_shared<const Motion>(strides.motion);
+  edit.of.clip = strides.clip;
+  return edit;
+}
+
+TEST(MotionEdits, TrimIsWhatTheClipShowed) {
+  for (const MotionEdit& edit :
+       {make_edit("trim", Json::object(), 0.25, 0.4, 1.5), make_edit("trim", Json::object(), 0.3, 3.1, 0.8, true)}) {
+    const EditedMotion made = run(edit);
+    EXPECT_EQ(made.clip.offset, 0);
+    EXPECT_FALSE(made.clip.loop);
+    EXPECT_NEAR(made.clip.length, edit.of.clip.length, 1 / made.motion.rate);
+    EXPECT_EQ(greatest_difference(made.motion, shown(edit)), 0);
+    EXPECT_LT(greatest_difference(shown(made), shown(edit)), 1e-12);
+  }
+}
+
+TEST(MotionEdits, ReverseShowsTheSamePartBackwards) {
+  MotionEdit edit = make_edit("reverse", Json::object(), 0.25, 0.5);
+  const EditedMotion made = run(edit);
+  EXPECT_NE(made.clip.offset, edit.of.clip.offset);
+  EXPECT_LT(greatest_difference(shown(made), shown(edit), true), 1e-9);
+}
+
+TEST(MotionEdits, MirrorTwiceIsTheMotionAgain) {
+  MotionEdit edit = make_edit("mirror");
+  const EditedMotion once = run(edit);
+  EXPECT_GT(greatest_difference(once.motion, *edit.of.motion), 0.1);
+  EXPECT_EQ(once.motion.name, cast().walk->name + ", mirrored");
+  edit.of.motion = std::make_shared<const Motion>(once.motion);
+  const EditedMotion twice = run(edit);
+  EXPECT_LT(greatest_difference(twice.motion, *cast().walk), 1e-9);
+  EXPECT_EQ(twice.motion.name, cast().walk->name);
+}
+
+TEST(MotionEdits, SpeedsAreThoseAskedFor) {
+  const MotionEdit same = make_edit("warp", {{"speeds", {100, 100, 100}}}, 0.1, 0.8);
+  EXPECT_LT(greatest_difference(shown(run(same)), shown(same)), 2e-3);
+  // From 50 to 100 per cent, evenly along the motion: integral of ds / v is T ln 2 / 0.5
+  const MotionEdit rising = make_edit("warp", {{"speeds", {50, 100}}}, 0.1, 0.8);
+  EXPECT_NEAR(run(rising).clip.length, 0.8 * std::log(2) / 0.5, 0.02);
+}
+
+TEST(MotionEdits, TheWayTurnsAsFarAsAsked) {
+  for (const double turn : {90.0, -150.0, 360.0}) {
+    const EditedMotion made = run(long_walk("path", {{"shape", "turn"}, {"turn", turn}}));
+    const double turned = direction(made.motion, true) - direction(made.motion, false);
+    EXPECT_NEAR(std::remainder(turned - turn * std::numbers::pi / 180, 2 * std::numbers::pi), 0, std::fabs(turn) * 0.004) << turn;
+  }
+}
+
+TEST(MotionEdits, TheWayEndsWhereAsked) {
+  const MotionEdit edit = long_walk("path", {{"shape", "to"}, {"forward", 3.0}, {"left", -2.0}});
+  const double heading = direction(*edit.of.motion, false);
+  const EditedMotion made = run(edit);
+  const std::vector<motion_edit::PathPoint> way = motion_edit::root_path(*cast().human, made.motion);
+  const double x = way.back().x - way.front().x, y = way.back().y - way.front().y;
+  EXPECT_NEAR(x * std::cos(heading) + y * std::sin(heading), 3, 0.1);
+  EXPECT_NEAR(y * std::cos(heading) - x * std::sin(heading), -2, 0.1);
+}
+
+TEST(MotionEdits, LongerStepsStayOnTheGround) {
+  const MotionEdit edit = long_walk("scale", {{"way", 1.15}, {"time", 1.1}});
+  const EditedMotion made = run(edit);
+  const Placement before = cycle_of(*edit.of.motion, *cast().human), after = cycle_of(made.motion, *cast().human);
+  EXPECT_NEAR(std::hypot(after.x, after.y), 1.15 * std::hypot(before.x, before.y), 0.02);
+  EXPECT_NEAR(made.clip.length, 1.1 * edit.of.clip.length, 0.02);
+  const motion_edit::FootContacts contacts =
+      motion_edit::labelled_contacts(*cast().human, made.motion, motion_edit::find_foot_limbs(*cast().human));
+  EXPECT_LT(motion_edit::measure_skate(*cast().human, made.motion, contacts).worst_cm, 1);
+}
+
+TEST(MotionEdits, JoinTakesTheOverlapAsBlend) {
+  MotionEdit edit = make_edit("join");
+  edit.next.motion = cast().stand;
+  edit.next.clip.id = "k2";
+  edit.next.clip.start = edit.of.clip.start + edit.of.clip.length - 0.25;
+  edit.next.clip.length = 2;
+  const EditedMotion made = run(edit);
+  EXPECT_NEAR(made.clip.length, edit.of.clip.length + 2 - 0.25, 0.02);
+  edit.next.motion = nullptr;
+  EXPECT_FALSE(edit_motion(edit)) << "there is no next clip";
+}
+
+TEST(MotionEdits, BlendEndsAreTheTwoMotions) {
+  // a slower walk is a third of the way from 1.35 m/s to half of it
+  MotionEdit edit = make_edit("blend", {{"percent", 0}});
+  Motion slow = *cast().walk;
+  slow.name = "slow";
+  slow.rate *= 0.5;
+  edit.other = std::make_shared<const Motion>(slow);
+  edit.other_mechanism = cast().human;
+  const auto speed = [&](double percent) {
+    edit.options = {{"percent", percent}};
+    const EditedMotion made = run(edit);
+    EXPECT_TRUE(made.clip.loop);
+    EXPECT_TRUE(made.motion.cyclic);
+    const Placement way = cycle_of(made.motion, *cast().human);
+    return std::hypot(way.x, way.y) / made.motion.duration();
+  };
+  const double fast = speed(0), end = speed(100), middle = speed(50);
+  EXPECT_NEAR(end, fast / 2, 0.02 * fast);
+  EXPECT_LT(middle, fast);
+  EXPECT_GT(middle, end);
+}
+
+TEST(MotionEdits, JointsAndLayersOfAnotherMotion) {
+  for (const char* operation : {"mix", "layer"}) {
+    MotionEdit edit = make_edit(operation, {{"joints", Json::array()}, {"weight", 0.0}});
+    edit.other = cast().stand;
+    edit.other_mechanism = cast().human;
+    EXPECT_LT(greatest_difference(run(edit).motion, *cast().walk), 1e-9) << "weight 0 changes nothing";
+    edit.options = {{"weight", 1.0}, {"joints", {"no such link"}}};
+    EXPECT_FALSE(edit_motion(edit));
+  }
+}
+
+TEST(MotionEdits, AnotherBodyDoesTheSame) {
+  MotionEdit edit = make_edit("retarget", Json::object(), 0, 2, 1, true);
+  edit.body = samples::make_person(1.1).value();
+  const Result<EditedMotion> made = edit_motion(edit);
+  ASSERT_TRUE(made) << made.error().text();
+  EXPECT_EQ(check_motion(made->motion, *edit.body).text(), "");
+  EXPECT_GT(made->report.size(), 1u);
+}
+
+TEST(MotionEdits, EveryOtherOperationGivesAMotionThatPlays) {
+  for (const auto& [operation, options] : {std::pair<const char*, Json>("cycle", Json::object()),
+                                           {"resample", {{"rate", 30}}},
+                                           {"contacts", Json::object()},
+                                           {"lock", Json::object()},
+                                           {"reduce", {{"degrees", 1.0}}}}) {
+    const EditedMotion made = run(make_edit(operation, options));
+    EXPECT_FALSE(made.report.empty()) << operation;
+  }
+  EXPECT_FALSE(run(make_edit("contacts")).motion.contacts.empty());
+  EXPECT_NEAR(run(make_edit("resample", {{"rate", 30}})).motion.rate, 30, 1);
+}
+
+TEST(MotionEdits, WhatCannotBeIsRefusedInWords) {
+  const std::pair<const char*, Json> wrong[] = {
+      {"nonsense", Json::object()},     {"mirror", {{"unknown", 1}}},  {"mirror", Json::array()},
+      {"warp", Json::object()},         {"warp", {{"speeds", {100}}}}, {"warp", {{"speeds", {100, "x"}}}},
+      {"warp", {{"speeds", {100, 0}}}}, {"resample", Json::object()},  {"resample", {{"rate", -1}}},
+      {"scale", {{"way", 0}}},          {"scale", {{"time", 1e9}}},    {"path", Json::object()},
+      {"path", {{"shape", "spiral"}}},  {"path", {{"shape", "to"}}},   {"path", {{"shape", "turn"}, {"turn", 1e9}}},
+      {"lock", {{"ease", -1}}},         {"reduce", {{"degrees", 0}}}};
+  for (const auto& [operation, options] : wrong) {
+    const Result<EditedMotion> made = edit_motion(make_edit(operation, options));
+    ASSERT_FALSE(made) << operation << " " << json::to_text(options);
+    EXPECT_FALSE(made.error().problems.front().message.empty());
+    EXPECT_FALSE(made.error().problems.front().remedy.empty()) << operation << " " << json::to_text(options);
+  }
+}
+
+}  // namespace
+}  // namespace ugoki::studio

@@ -1,0 +1,166 @@
+// Operations on motions, by mouse: the clip's menu, the inspector, the dialogs; every one of them can be undone.
+import assert from 'node:assert/strict';
+
+const hook = (page, expression) => page.evaluate(expression);
+async function until(page, expression, what, timeout = 60000) {
+  const end = Date.now() + timeout;
+  while (!(await page.evaluate(expression))) {
+    if (Date.now() > end) throw new Error(`waited ${timeout / 1000} s in vain for: ${what}`);
+    await page.waitForTimeout(50);
+  }
+}
+const document_of = (page) => hook(page, 'window.ugoki.document()');
+const human_of = (doc) => doc.characters.find((c) => c.id === 'human') ?? doc.characters[0];
+
+/** Waits until the document differs from what it was, and says it as it is. */
+async function changed(page, before, what) {
+  await until(page, `JSON.stringify(window.ugoki.document()) !== ${JSON.stringify(JSON.stringify(before))}`, what);
+  await until(page, 'document.querySelectorAll(".task").length === 0', 'nothing is at work');
+  return document_of(page);
+}
+
+async function menu(page, clip) {
+  const box = await page.locator(`[data-clip="${clip}"]`).boundingBox();
+  await page.mouse.click(box.x + Math.min(40, box.width / 2), box.y + 8, { button: 'right' });
+  return page.getByRole('menu', { name: 'Operations on the clip' });
+}
+
+/** Chooses an operation in the clip's menu. */
+async function choose(page, clip, name) {
+  await (await menu(page, clip)).getByRole('menuitem', { name }).click();
+}
+
+async function undo(page, wanted, label) {
+  assert.equal((await hook(page, 'window.ugoki.undo()')).undo_label, label);
+  await page.getByRole('button', { name: `Undo: ${label}` }).click();
+  await until(page, `JSON.stringify(window.ugoki.document()) === ${JSON.stringify(JSON.stringify(wanted))}`, `${label} undone`);
+}
+
+export const motion_journeys = [
+  {
+    name: 'a clip is mirrored by its menu, and undone',
+    async run({ page }) {
+      await page.getByRole('radio', { name: 'Edit' }).click();
+      await until(page, 'window.ugoki.transport().mode === "edit"', 'Edit');
+      await page.locator('.tab', { hasText: 'Scenario' }).first().click();
+      await page.keyboard.press('Home');
+      const before = await document_of(page);
+      const human = human_of(before);
+      const clip = human.track[0];
+      const bands = page.locator(`[data-clip="${clip.id}"] .contact-bands`);
+      await bands.waitFor({ state: 'attached', timeout: 30000 });
+      assert.match(await bands.evaluate((e) => e.style.backgroundImage), /--one/, 'a walk has moments on one foot');
+      await choose(page, clip.id, 'Mirror');
+      const after = await changed(page, before, 'the mirrored motion');
+      assert.notEqual(human_of(after).track[0].motion, clip.motion);
+      await until(page, `document.querySelector('[data-clip="${clip.id}"] .clip-name').textContent.includes('mirrored')`, 'the clip says so');
+      await undo(page, before, 'Mirror motion');
+    },
+  },
+  {
+    name: 'a way that turns, from the inspector',
+    async run({ page }) {
+      const before = await document_of(page);
+      const clip = human_of(before).track[0];
+      await page.locator(`[data-clip="${clip.id}"]`).click({ position: { x: 30, y: 8 } });
+      // one stride has no way worth bending: several, as one motion
+      await page.getByRole('button', { name: 'Trim to what the clip shows' }).click();
+      const trimmed = await changed(page, before, 'the trimmed motion');
+      assert.equal(human_of(trimmed).track[0].loop, false);
+      await page.getByRole('button', { name: 'Change way over the ground…' }).click();
+      const dialog = page.getByRole('dialog', { name: 'Change way over the ground' });
+      await dialog.getByLabel('Turn', { exact: true }).fill('120');
+      await dialog.getByLabel('Turn', { exact: true }).press('Tab');
+      await page.screenshot({ path: new URL('./out/motion-way.png', import.meta.url).pathname });
+      await dialog.getByRole('button', { name: 'Apply' }).click();
+      const turned = await changed(page, trimmed, 'the turned way');
+      assert.ok(Math.abs(human_of(turned).track[0].length - human_of(trimmed).track[0].length) < 0.2);
+      await undo(page, trimmed, 'Change way of motion');
+      await undo(page, before, 'Cut motion to clip');
+    },
+  },
+  {
+    name: 'two clips become one, and one runs slower at its end',
+    async run({ page }) {
+      const before = await document_of(page);
+      const human = human_of(before);
+      const clip = human.track[0];
+      await page.locator(`[data-clip="${clip.id}"]`).click({ position: { x: 30, y: 8 } });
+      await page.getByRole('button', { name: 'Duplicate' }).click();
+      let now = await changed(page, before, 'a second clip');
+      const count = human_of(now).track.length;
+      const first = human_of(now).track[0];
+      await page.keyboard.press('Home');
+      await choose(page, first.id, 'Join with next clip');
+      const two = now;
+      now = await changed(page, two, 'the joined clip');
+      assert.equal(human_of(now).track.length, count - 1);
+      assert.ok(human_of(now).track[0].length > first.length * 1.5);
+      await choose(page, first.id, 'Change speed…');
+      const dialog = page.getByRole('dialog', { name: 'Change speed' });
+      const end = dialog.getByRole('textbox', { name: 'At the end' });
+      await end.fill('50');
+      await end.press('Tab');
+      await dialog.getByRole('button', { name: 'Apply' }).click();
+      const slow = await changed(page, now, 'the slower end');
+      assert.ok(human_of(slow).track[0].length > human_of(now).track[0].length * 1.1);
+      await undo(page, now, 'Change speed of motion');
+      await undo(page, two, 'Join clips');
+      await page.keyboard.press('Control+z');
+      await until(page, `JSON.stringify(window.ugoki.document()) === ${JSON.stringify(JSON.stringify(before))}`, 'as before');
+    },
+  },
+  {
+    name: 'between two motions by a slider, and for another body',
+    async run({ page }) {
+      const before = await document_of(page);
+      const human = human_of(before);
+      const clip = human.track[0];
+      await choose(page, clip.id, 'Blend with another motion…');
+      const dialog = page.getByRole('dialog', { name: 'Blend with another motion' });
+      const apply = dialog.getByRole('button', { name: 'Apply' });
+      assert.ok(await apply.isDisabled(), 'it needs the other motion');
+      await dialog.getByRole('radio').first().click();
+      const slider = dialog.getByRole('slider', { name: 'Share of the other motion' });
+      await slider.focus();
+      for (let i = 0; i < 5; i++) await page.keyboard.press('ArrowLeft');
+      assert.equal(await slider.inputValue(), '45');
+      await page.screenshot({ path: new URL('./out/motion-blend.png', import.meta.url).pathname });
+      await page.keyboard.press('Escape');
+      await until(page, 'document.querySelectorAll(".motion-dialog").length === 0', 'closed by Escape');
+      assert.deepEqual(await document_of(page), before);
+
+      await choose(page, clip.id, 'For another body…');
+      const body = page.getByRole('dialog', { name: 'For another body' });
+      await body.getByRole('radio', { name: /A person of/ }).click();
+      await body.getByRole('button', { name: 'Make figure' }).click();
+      const after = await changed(page, before, 'the child');
+      assert.equal(after.characters.length, before.characters.length + 1);
+      const child = after.characters.at(-1);
+      assert.equal(child.track[0].length, clip.length);
+      await until(page, `(window.ugoki.figure('${child.id}')?.com[2] ?? 0) > 0.3`, 'the child stands in the picture');
+      assert.ok((await hook(page, 'window.ugoki.log()')).some((line) => /For another body — Lengths times 0\.\d+/.test(line)), 'the report is in the log');
+      await undo(page, before, 'Motion for another body');
+    },
+  },
+  {
+    name: 'an operation that takes long can be cancelled',
+    async run({ page }) {
+      const looped = await document_of(page);
+      const clip = human_of(looped).track[0];
+      await choose(page, clip.id, 'Trim to what the clip shows'); // twenty seconds are work
+      const before = await changed(page, looped, 'the long motion');
+      await choose(page, clip.id, 'For another body…');
+      const body = page.getByRole('dialog', { name: 'For another body' });
+      await body.getByRole('radio', { name: /A dog/ }).click();
+      await body.getByRole('button', { name: 'Make figure' }).click();
+      const cancel = page.locator('.task').getByRole('button', { name: 'Cancel' });
+      await cancel.waitFor({ timeout: 20000 });
+      await cancel.click();
+      await until(page, 'document.querySelectorAll(".task").length === 0', 'it is gone');
+      await page.waitForTimeout(500);
+      assert.deepEqual(await document_of(page), before);
+      await undo(page, looped, 'Cut motion to clip');
+    },
+  },
+];

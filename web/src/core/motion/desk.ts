@@ -1,0 +1,115 @@
+/** Operations on motions, as one page does them: what is asked, what is at work, and when feet stand. Framework-free. */
+import { createStore, type StoreApi } from 'zustand/vanilla';
+import type { MotionRequest } from '../protocol';
+import type { Selection } from '../state';
+import { find_operation, type Values } from './operations';
+
+/** s from the motion's first frame, and how many feet stand. */
+export type Band = [from: number, to: number, feet: number];
+export interface Contacts {
+  feet: string[];
+  labelled: boolean;
+  bands: Band[];
+}
+
+export interface ClipTarget {
+  character: string;
+  clip: string;
+}
+
+/** The second motion, or the other body. */
+export type With = { motion: string } | { mechanism: string } | { height: number } | { sample: 'dog' | 'human' } | Record<string, never>;
+
+export interface MotionTask {
+  id: string;
+  label: string;
+  /** performance.now() */
+  since: number;
+}
+
+export interface DeskState {
+  /** The menu of a clip, where it was asked for. */
+  menu: (ClipTarget & { x: number; y: number }) | null;
+  /** The operation whose options are asked for. */
+  dialog: (ClipTarget & { operation: string }) | null;
+  tasks: MotionTask[];
+  /** By the motion's id; null: asked for, or nobody knows. */
+  contacts: Record<string, Contacts | null>;
+}
+
+export interface DeskHost {
+  request(request: MotionRequest | { op: 'motion.cancel'; task: string }): Promise<Record<string, unknown>>;
+  fetch(path: string): Promise<Response>;
+  fail(error: Error): void;
+  /** What was done, a sentence each. */
+  tell(title: string, lines: string[]): void;
+  select(selection: Selection): void;
+}
+
+export class MotionDesk {
+  readonly store: StoreApi<DeskState> = createStore<DeskState>(() => ({ menu: null, dialog: null, tasks: [], contacts: {} }));
+  private next = 1;
+  private readonly page = Math.random().toString(36).slice(2, 8);
+
+  constructor(private readonly host: DeskHost) {}
+
+  get state(): DeskState {
+    return this.store.getState();
+  }
+
+  /** @return whether it was done */
+  async run(operation: string, { character, clip }: ClipTarget, options: Values = {}, other: With = {}): Promise<boolean> {
+    const label = find_operation(operation)?.label ?? operation;
+    const id = `${this.page}-${this.next++}`;
+    this.store.setState({ tasks: [...this.state.tasks, { id, label, since: performance.now() }] });
+    try {
+      const reply = await this.host.request({ op: 'motion', task: id, character, clip, operation, options, ...other });
+      if (reply.cancelled === true) return false;
+      if (typeof reply.character === 'string' && typeof reply.clip === 'string') this.host.select({ kind: 'clip', character: reply.character, clip: reply.clip });
+      this.host.tell(label, Array.isArray(reply.report) ? reply.report.map(String) : []);
+      return true;
+    } catch (error) {
+      this.host.fail(error as Error);
+      return false;
+    } finally {
+      this.store.setState({ tasks: this.state.tasks.filter((t) => t.id !== id) });
+    }
+  }
+
+  cancel(task: string): void {
+    this.host.request({ op: 'motion.cancel', task }).catch((error: Error) => this.host.fail(error));
+  }
+
+  open_menu(menu: NonNullable<DeskState['menu']>): void {
+    this.store.setState({ menu });
+  }
+  open(operation: string, target: ClipTarget): void {
+    this.store.setState({ dialog: { ...target, operation }, menu: null });
+  }
+  close(): void {
+    this.store.setState({ menu: null, dialog: null });
+  }
+
+  /** Asks once for each motion. */
+  async need_contacts(motion: string): Promise<void> {
+    if (motion in this.state.contacts) return;
+    this.keep_contacts(motion, null);
+    try {
+      const response = await this.host.fetch(`api/contacts/${encodeURIComponent(motion)}`);
+      if (response.ok) this.keep_contacts(motion, (await response.json()) as Contacts);
+    } catch {
+      // the connection's own message says it; a clip without bands is no other loss
+    }
+  }
+  private keep_contacts(motion: string, contacts: Contacts | null): void {
+    this.store.setState({ contacts: { ...this.state.contacts, [motion]: contacts } });
+  }
+}
+
+/** A CSS gradient over the whole of a motion: a band for every time in which as many feet stand. */
+export function band_gradient(bands: readonly Band[], duration: number): string {
+  if (bands.length === 0 || !(duration > 0)) return 'none';
+  const share = (t: number): string => `${((100 * Math.min(t, duration)) / duration).toFixed(3)}%`;
+  const colour = (feet: number): string => (feet >= 2 ? 'var(--good)' : feet === 1 ? 'var(--one)' : 'var(--flight)');
+  return `linear-gradient(to right, ${bands.map(([from, to, feet]) => `${colour(feet)} ${share(from)} ${share(to)}`).join(', ')})`;
+}
