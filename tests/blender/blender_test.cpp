@@ -3,10 +3,9 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <iterator>
 
+#include "run_blender.h"
 #include "ugoki/base/number.h"
 #include "ugoki/formats/asf.h"
 #include "ugoki/formats/bvh.h"
@@ -16,26 +15,6 @@
 namespace ugoki {
 namespace {
 
-namespace fs = std::filesystem;
-
-class Folder {
- public:
-  Folder() {
-    path = (fs::temp_directory_path() / "ugoki-blender-XXXXXX").string();
-    if (::mkdtemp(path.data()) == nullptr) path.clear();
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  std::string path;
-};
-
-std::string text_of(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// What the script prints after `word`; negative where it does not.
 double number_after(const std::string& output, const std::string& word) {
   const std::size_t at = output.find(word + " ");
@@ -43,7 +22,7 @@ double number_after(const std::string& output, const std::string& word) {
 }
 
 void expect_blender_agrees(const MeasuredMotion& m) {
-  const Folder folder;
+  const TemporaryFolder folder;
   ASSERT_FALSE(folder.path.empty());
   std::string expected = "rate " + to_text(m.rate) + "\n";
   std::vector<Pose> X(static_cast<std::size_t>(m.joint_count()));
@@ -66,12 +45,7 @@ void expect_blender_agrees(const MeasuredMotion& m) {
       .write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
   for (const char* file : {"m.bvh", "m.glb"}) {
     SCOPED_TRACE(m.name + " " + file);
-    const std::string log = folder.path + "/log";
-    const std::string command = "blender -b --factory-startup --python-exit-code 3 --python " UGOKI_SOURCE_DIR
-                                "/tests/blender/joint_positions.py -- " +
-                                folder.path + "/" + file + " " + folder.path + "/expected.txt > " + log + " 2>&1";
-    const int status = std::system(command.c_str());
-    const std::string output = text_of(log);
+    const auto [status, output] = run_blender("joint_positions.py", folder.path + "/" + file + " " + folder.path + "/expected.txt", folder);
     ASSERT_EQ(status, 0) << output;
     EXPECT_EQ(number_after(output, "FOUND"), count) << output;
     const double worst = number_after(output, "WORST");
@@ -82,18 +56,18 @@ void expect_blender_agrees(const MeasuredMotion& m) {
 }
 
 TEST(Slow_Blender, FindsTheJointsOfOurFiles) {
-  if (std::system("blender --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "Blender is not installed";
+  if (!blender_is_installed()) GTEST_SKIP() << "Blender is not installed";
   expect_blender_agrees(samples::make_human_walk());
   const std::string data = UGOKI_SHARED_DATA "/human/";
   for (const char* name : {"bvh/cmu_12_01_walk.bvh", "bvh/131_02.bvh"}) {
-    const std::string text = text_of(data + name);
+    const std::string text = text_of_file(data + name);
     if (text.empty()) continue;
     const auto m = formats::read_bvh(text, name);
     ASSERT_TRUE(m.has_value());
     expect_blender_agrees(*m);
   }
   for (const char* trial : {"02_01", "02_05"}) {
-    const std::string skeleton = text_of(data + "asf_amc/02.asf"), text = text_of(data + "asf_amc/" + trial + ".amc");
+    const std::string skeleton = text_of_file(data + "asf_amc/02.asf"), text = text_of_file(data + "asf_amc/" + trial + ".amc");
     if (skeleton.empty() || text.empty()) continue;
     const auto asf = formats::read_asf(skeleton, "02.asf");
     const auto m = formats::read_amc(text, trial, *asf);

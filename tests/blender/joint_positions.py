@@ -3,23 +3,13 @@
 blender -b --factory-startup --python-exit-code 3 --python joint_positions.py -- FILE EXPECTED
 EXPECTED: lines "rate R", then "frame F" and for each joint "x y z name" in Blender's axes, metres.
 """
-import builtins
 import sys
 
-import numpy
-
-# Blender 3.4 of Debian 12 meets a newer Python and numpy than it was written for.
-_open = builtins.open
-builtins.open = lambda file, mode="r", *a, **k: _open(file, mode.replace("U", "") or "r", *a, **k)
-for name, kind in (("bool", bool), ("object", object), ("int", int), ("float", float)):
-    if name not in numpy.__dict__:
-        setattr(numpy, name, kind)
-
-import bpy  # noqa: E402
+from old_blender import bpy, plain_open
 
 path, expected = sys.argv[sys.argv.index("--") + 1 :]
 frames, rate = {}, 30.0
-with _open(expected, encoding="utf-8") as lines:
+with plain_open(expected, encoding="utf-8") as lines:
     for line in lines:
         word, rest = line.rstrip("\n").split(" ", 1)
         if word == "rate":

@@ -112,6 +112,34 @@ TEST(Growth, TablesAreWhatTheySay) {
   EXPECT_NEAR(mass_shares(12).thigh, 0.11, 0.001);
 }
 
+/// The charts' medians as they are published, for the middles of months: a birthday lies between two of them.
+TEST(Growth, MediansAreThoseOfTheCharts) {
+  struct Median {
+    int age;
+    double boy_height[2], boy_mass[2], girl_height[2], girl_mass[2];  // cm, kg
+  };
+  const Median published[] = {{4, {101.9373, 102.5105}, {16.1455, 16.3168}, {100.4681, 101.0339}, {15.7082, 15.8782}},
+                              {8, {127.6320, 128.1237}, {25.5261, 25.7526}, {127.3522, 127.8263}, {25.4988, 25.7570}},
+                              {11, {143.3107, 143.7304}, {35.7169, 36.0726}, {143.6950, 144.2609}, {37.0211, 37.3909}},
+                              {12, {148.7917, 149.3088}, {40.2683, 40.6744}, {150.8936, 151.4866}, {41.4634, 41.8280}},
+                              {13, {155.7642, 156.4099}, {45.3696, 45.8134}, {156.9644, 157.3437}, {45.6578, 45.9837}},
+                              {14, {163.5350, 164.1418}, {50.7786, 51.2310}, {160.2997, 160.4777}, {49.2299, 49.4908}},
+                              {15, {169.7405, 170.1393}, {56.0712, 56.4910}, {161.8174, 161.8980}, {51.9493, 52.1357}},
+                              {16, {173.4014, 173.6101}, {60.7470, 61.0954}, {162.5287, 162.5690}, {53.8214, 53.9454}},
+                              {17, {175.2398, 175.3410}, {64.4403, 64.6996}, {162.9013, 162.9238}, {55.0917, 55.1822}},
+                              {18, {176.1348, 176.1850}, {67.1064, 67.2899}, {163.1172, 163.1308}, {56.1410, 56.2297}},
+                              {19, {176.5911, 176.6179}, {69.0518, 69.1947}, {163.2504, 163.2590}, {57.2568, 57.3518}}};
+  for (const Median& m : published) {
+    SCOPED_TRACE(m.age);
+    const auto middle = [](const double* x) { return 0.5 * (x[0] + x[1]); };
+    const Growth boy = median_growth(m.age, GrowthSex::boy), girl = median_growth(m.age, GrowthSex::girl);
+    EXPECT_NEAR(100 * boy.height, middle(m.boy_height), 0.051);
+    EXPECT_NEAR(boy.mass, middle(m.boy_mass), 0.051);
+    EXPECT_NEAR(100 * girl.height, middle(m.girl_height), 0.051);
+    EXPECT_NEAR(girl.mass, middle(m.girl_mass), 0.051);
+  }
+}
+
 TEST(Growth, AChildOfSixIsNoSmallAdult) {
   const MechanismPtr man = human();
   const auto child = grow(*man, {.age = 6});

@@ -84,6 +84,7 @@ TEST(RobotHostile, EachFaultOfAUrdfIsNamedInItsLine) {
                  {"a comment only", "", "<!-- robot -->", 1, "no element"},
                  {"SDF", "", "<sdf version='1.7'/>", 1, "not <robot>"},
                  {"xacro", "<robot name='r'>", "<xacro name='r'>", 15, "no XML"},
+                 {"macros of xacro", "</joint>\n</robot>", "</joint>\n<xacro:leg side='left'/></robot>", 15, "not yet expanded"},
                  {"cut off", "</joint>\n</robot>\n", "", 14, "no XML"},
                  {"closed in the wrong order", "</collision>\n</link>", "</link>\n</collision>", 7, "no XML"},
                  {"attribute without quotes", "lower='-1'", "lower=-1", 11, "no XML"},

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <random>
 
 #include "named_peer.h"
@@ -366,39 +364,85 @@ TEST(WriterPeer, MujocoAgrees) {
 }
 #endif
 
-/// Every shared description goes through both writers and comes back with the same mass, freedoms and links.
-TEST(Slow_Writers, SharedDescriptions) {
-  int count = 0;
-  for (const std::filesystem::directory_entry& e :
-       std::filesystem::recursive_directory_iterator(std::string(UGOKI_SHARED_DATA) + "/mechanism")) {
-    const std::string ending = e.path().extension().string();
-    if (ending != ".urdf" && ending != ".xml" && ending != ".sdf") continue;
-    SCOPED_TRACE(e.path());
-    RobotOptions options;
-    options.meshes = Meshes::none;
-    options.read_asset = [](const std::string& path) -> Result<std::string> {
-      std::ifstream in(path, std::ios::binary);
-      if (!in) return fail(ErrorCode::io, path, "not there.");
-      return std::string(std::istreambuf_iterator<char>(in), {});
-    };
-    const auto text = options.read_asset(e.path());
-    if (!text || !robot_format_of(*text)) continue;
-    const auto model = read_robot_file(*text, e.path().string(), options);
-    if (!model) continue;  // refused for reasons of its own: the readers' tests
-    const Mechanism& m = *model->mechanism;
-    for (const bool mjcf : {true, false}) {
-      const RobotText written = mjcf ? write_mjcf(m) : write_urdf(m, "robot");
-      const auto back = mjcf ? read_mjcf(written.text, "robot.xml", with(written)) : read_urdf(written.text, "robot.urdf", with(written));
-      ASSERT_TRUE(back.has_value()) << back.error().text();
-      EXPECT_NEAR(back->mechanism->mass(), m.mass(), 1e-9 * m.mass());
-      for (const Link& l : m.links())
-        if (l.name != "world") EXPECT_GE(back->mechanism->find_link(l.name), 0) << l.name;
-      int helical = 0;
-      for (const Link& l : m.links()) helical += l.joint.type == JointType::helical;
-      EXPECT_EQ(back->mechanism->nv(), m.nv() + helical);
-      ++count;
+/// Whether the format holds this shape.
+bool is_held(const Shape& s, bool mjcf) { return s.type != ShapeType::height_field && (mjcf || s.type != ShapeType::ellipsoid); }
+
+/// What the formats hold of real mechanisms: places, axes, masses, limits, damping, friction, efforts, shapes.
+void expect_kept(const Mechanism& m, const Mechanism& back, bool mjcf) {
+  std::vector<Pose> X(static_cast<std::size_t>(m.link_count())), Y(static_cast<std::size_t>(back.link_count()));
+  calc_poses(m, m.neutral(), X);
+  calc_poses(back, back.neutral(), Y);
+  for (const Link& l : m.links()) {
+    SCOPED_TRACE(l.name);
+    const int at = back.find_link(l.name);
+    if (at < 0 && l.name == "world" && l.joint.type == JointType::fixed && l.inertia.mass == 0) continue;
+    ASSERT_GE(at, 0);
+    const Link& o = back.link(at);
+    EXPECT_LT(distance(X[static_cast<std::size_t>(m.find_link(l.name))], Y[static_cast<std::size_t>(at)]), 1e-9);
+    EXPECT_LT(difference(l.inertia, o.inertia), 1e-9);
+    if (l.joint.type == JointType::revolute || l.joint.type == JointType::prismatic) {
+      ASSERT_EQ(o.joint.type, l.joint.type);
+      EXPECT_LT(norm(o.joint.axis - l.joint.axis), 1e-12);
+      const Freedom &f = l.joint.freedoms[0], &g = o.joint.freedoms[0];
+      EXPECT_EQ(g.lower, f.lower);
+      EXPECT_EQ(g.upper, f.upper);
+      EXPECT_EQ(g.damping, f.damping);
+      EXPECT_EQ(g.friction, f.friction);
+      EXPECT_EQ(g.effort, f.effort);
+      if (mjcf) {
+        EXPECT_EQ(g.stiffness, f.stiffness);
+        EXPECT_EQ(g.rest, f.rest);
+        EXPECT_EQ(g.armature, f.armature);
+      }
+    }
+    std::vector<Shape> held;
+    for (const Shape& s : l.shapes)
+      if (is_held(s, mjcf)) held.push_back(s);
+    ASSERT_EQ(o.shapes.size(), held.size());
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      EXPECT_EQ(o.shapes[k].type, held[k].type);
+      EXPECT_EQ(o.shapes[k].radius, held[k].radius);
+      EXPECT_NEAR(o.shapes[k].half_length, held[k].half_length, 1e-12);
+      EXPECT_LT(norm(o.shapes[k].half_extents - held[k].half_extents), 1e-12);
+      EXPECT_LT(distance(o.shapes[k].X_BS, held[k].X_BS), 1e-9);
+      EXPECT_EQ(o.shapes[k].collides, held[k].collides);
     }
   }
+}
+
+std::filesystem::recursive_directory_iterator folder_of(const std::string& name) {
+  std::error_code absent;
+  return std::filesystem::recursive_directory_iterator(std::string(UGOKI_SHARED_DATA) + name, absent);
+}
+
+/// Every shared description goes through both writers and comes back the same, but for what the format cannot hold.
+TEST(Slow_Writers, SharedDescriptions) {
+  int count = 0;
+  for (const char* folder : {"/mechanism", "/animal"})
+    for (const std::filesystem::directory_entry& e : folder_of(folder)) {
+      const std::string ending = e.path().extension().string();
+      if (ending != ".urdf" && ending != ".xml" && ending != ".sdf") continue;
+      SCOPED_TRACE(e.path());
+      RobotOptions options = options_for(e.path().string());
+      options.meshes = Meshes::none;
+      const std::string text = load_robot(e.path().string());
+      if (!robot_format_of(text)) continue;
+      const auto model = read_robot_file(text, e.path().string(), options);
+      if (!model) continue;  // refused for reasons of its own: the readers' tests
+      const Mechanism& m = *model->mechanism;
+      for (const bool mjcf : {true, false}) {
+        SCOPED_TRACE(mjcf ? "as MJCF" : "as URDF");
+        const RobotText written = mjcf ? write_mjcf(m) : write_urdf(m, "robot");
+        const auto back = mjcf ? read_mjcf(written.text, "robot.xml", with(written)) : read_urdf(written.text, "robot.urdf", with(written));
+        ASSERT_TRUE(back.has_value()) << back.error().text();
+        EXPECT_NEAR(back->mechanism->mass(), m.mass(), 1e-9 * m.mass());
+        int helical = 0;
+        for (const Link& l : m.links()) helical += l.joint.type == JointType::helical;
+        EXPECT_EQ(back->mechanism->nv(), m.nv() + helical);
+        expect_kept(m, *back->mechanism, mjcf);
+        ++count;
+      }
+    }
   RecordProperty("written_and_read", count);
   if (count == 0) GTEST_SKIP() << "the shared data is absent";
 }

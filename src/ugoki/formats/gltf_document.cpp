@@ -184,7 +184,7 @@ class Parser {
         buffers_.push_back(std::move(*bytes));
       } else {
         if (!files_)
-          return refuse(ErrorCode::unsupported, path("buffers", i) + "/uri", "the file needs " + in_quotes(uri) + " beside it.",
+          return refuse(ErrorCode::unsupported, path("buffers", i) + "/uri", "the file needs " + path_in_quotes(uri) + " beside it.",
                         "Give a .glb file, or both files together.");
         auto bytes = files_(unescaped(uri));
         if (!bytes) {

@@ -269,6 +269,9 @@ class Reader {
         m.translations.push_back(local);
       }
     }
+    // What is below that is rounding of the file's single precision: such a joint stays where it is in its parent.
+    for (std::size_t i = 0; i < m.translations.size(); ++i)
+      if (const SkeletonJoint& joint = m.skeleton.joints[i % n]; !joint.translates) m.translations[i] = joint.offset;
   }
 
   void finish_units(std::vector<MeasuredMotion>& motions) {

@@ -56,6 +56,14 @@ std::string in_quotes(std::string_view token) {
   return out + "'";
 }
 
+std::string path_in_quotes(std::string_view path) {
+  constexpr std::size_t most = 400;
+  std::string out = path.size() > most ? "'..." : "'";
+  for (const char c : path.substr(path.size() > most ? path.size() - most : 0))
+    out += static_cast<unsigned char>(c) < 0x20 || c == 0x7F ? '?' : c;
+  return out + "'";
+}
+
 std::string stem_of(std::string_view file_name) {
   if (const std::size_t slash = file_name.find_last_of("/\\"); slash != std::string_view::npos) file_name.remove_prefix(slash + 1);
   if (const std::size_t dot = file_name.rfind('.'); dot != std::string_view::npos && dot > 0) file_name = file_name.substr(0, dot);

@@ -37,6 +37,9 @@ class Problems {
 /// `token` in quotes, shortened and without unprintable bytes, for messages.
 [[nodiscard]] std::string in_quotes(std::string_view token);
 
+/// A path in quotes, likewise without unprintable ASCII; a very long one loses its beginning, for its end is what tells.
+[[nodiscard]] std::string path_in_quotes(std::string_view path);
+
 /// "02_01" of "subjects/02_01.amc".
 [[nodiscard]] std::string stem_of(std::string_view file_name);
 

@@ -259,7 +259,7 @@ std::optional<FileKind> file_kind(std::string_view file_name) {
   if (ending == "gltf" || ending == "glb") return FileKind::gltf;
   if (ending == "fbx" || ending == "dae") return FileKind::scene;
   if (ending == "json") return FileKind::mechanism_json;
-  if (ending == "urdf" || ending == "sdf" || ending == "xml") return FileKind::robot;
+  if (ending == "urdf" || ending == "sdf" || ending == "xml" || ending == "xacro") return FileKind::robot;
   return std::nullopt;
 }
 

@@ -55,7 +55,7 @@ std::optional<Shape> mesh_shape(XmlFields& xml, const std::string& uri, const Ve
     else
       xml.note(use.node, "A" + message.substr(1) + (why.remedy.empty() ? "" : " " + why.remedy));
   } else if (required) {
-    xml.problem(use.node, ErrorCode::io, "the mesh " + formats::in_quotes(uri) + " is not there.",
+    xml.problem(use.node, ErrorCode::io, "the mesh " + formats::path_in_quotes(uri) + " is not there.",
                 "Put it where the file says, or read without meshes.");
   } else {
     xml.note(use.node,

@@ -96,7 +96,7 @@ bool MjcfDocument::load_includes(const MjcfElement& from, const std::string& fol
         continue;
       }
       if (std::ranges::find(paths_, path) != paths_.end()) {
-        include.problem(ErrorCode::duplicate, formats::in_quotes(path) + " is included a second time, or includes itself.",
+        include.problem(ErrorCode::duplicate, formats::path_in_quotes(path) + " is included a second time, or includes itself.",
                         "Include every file once.");
         whole = false;
         continue;
@@ -104,7 +104,7 @@ bool MjcfDocument::load_includes(const MjcfElement& from, const std::string& fol
       const Result<std::string> text = files.read(path);
       if (!text) {
         include.problem(ErrorCode::io,
-                        "the included file " + formats::in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
+                        "the included file " + formats::path_in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
                         "Put it beside the model.");
         whole = false;
         continue;

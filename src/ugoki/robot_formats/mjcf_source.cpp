@@ -82,12 +82,12 @@ void MjcfSource::read_assets() {
       } else if (e.kind() == "model") {
         const std::string path = folder_ + file;
         if (std::ranges::find(above_, path) != above_.end()) {
-          e.problem(ErrorCode::structure, "the model " + formats::in_quotes(path) + " contains itself.", "Remove the circle.");
+          e.problem(ErrorCode::structure, "the model " + formats::path_in_quotes(path) + " contains itself.", "Remove the circle.");
           continue;
         }
         const Result<std::string> text = files_->read(path);
         if (!text) {
-          e.problem(ErrorCode::io, "the model " + formats::in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
+          e.problem(ErrorCode::io, "the model " + formats::path_in_quotes(path) + " cannot be read: " + text.error().problems[0].message,
                     "Put it where the description says.");
           continue;
         }
@@ -128,14 +128,14 @@ void MjcfSource::load_mesh(MjcfMeshAsset& mesh) const {
     const std::string path = mesh_path(a.text("file"));
     const Result<std::string> bytes = files_->read(path);
     if (!bytes) {
-      mesh.absent = "the mesh file " + formats::in_quotes(path) + " is not there";
+      mesh.absent = "the mesh file " + formats::path_in_quotes(path) + " is not there";
       return;
     }
     Result<MeshFile> content = read_mesh(*bytes, path);
     if (!content) {
       const Problem& why = content.error().problems[0];
-      mesh.element.problem(why.code, "its file " + formats::in_quotes(path) + " is no mesh: " + why.message, why.remedy);
-      mesh.absent = "the mesh file " + formats::in_quotes(path) + " is broken";
+      mesh.element.problem(why.code, "its file " + formats::path_in_quotes(path) + " is no mesh: " + why.message, why.remedy);
+      mesh.absent = "the mesh file " + formats::path_in_quotes(path) + " is broken";
       return;
     }
     mesh.points = std::move(content->points);

@@ -31,6 +31,11 @@ class UrdfReader {
                    "Give a URDF file; a xacro file must be expanded first.");
       return fail(xml_.take_problems());
     }
+    if (const pugi::xml_node macro = robot.find_node([](pugi::xml_node n) { return std::string_view(n.name()).starts_with("xacro:"); })) {
+      xml_.problem(macro, ErrorCode::unsupported, "it is a xacro file (here <" + std::string(macro.name()) + ">) that is not yet expanded.",
+                   "Expand it: xacro FILE.xacro > FILE.urdf.");
+      return fail(xml_.take_problems());
+    }
     draft_.spec.name = xml_.text(xml_.attribute(robot, "name"));
     xml_.note_unread(robot, {"link", "joint", "material"});
     for (const pugi::xml_node node : robot.children("link"))
