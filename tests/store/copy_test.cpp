@@ -198,5 +198,60 @@ TEST_P(CopyTest, DamagedDataAreNotCopied) {
   EXPECT_NE(refused.error().text().find(ids[2]), std::string::npos) << refused.error().text();
 }
 
+TEST_P(CopyTest, ASetFromElsewhereCannotBreakTheLibrary) {
+  const std::string good = folder_.path() + "/good.db", bad = folder_.path() + "/bad.db";
+  {
+    Result<Library> library = Library::open(other_file());
+    ASSERT_TRUE(library);
+    const std::vector<std::string> ids = fill(*library);
+    ASSERT_TRUE(export_set(*library, {ids[1]}, good));
+  }
+  // One change each to the row of the walk, which has two versions.
+  const char* changes[] = {
+      "UPDATE entry SET kind = 'poison' WHERE id LIKE 'n-%'",
+      "UPDATE entry SET kind = 'circuit' WHERE id LIKE 'n-%'",
+      "UPDATE entry SET id = '../../etc/passwd' WHERE id LIKE 'n-%'",
+      "UPDATE entry SET id = 'n-0123456789ABCDEF' WHERE id LIKE 'n-%'",
+      "UPDATE entry SET name = 'another' WHERE id LIKE 'n-%'",
+      "UPDATE entry SET summary = '[]' WHERE id LIKE 'n-%'; UPDATE version SET summary = '[]' WHERE version = 2",
+      "UPDATE version SET summary = '{' WHERE version = 1",
+      "UPDATE version SET name = '' WHERE version = 1",
+      "UPDATE version SET note = 'a' || char(0) || 'b' WHERE version = 1",
+      "UPDATE version SET author = CAST(x'ff41' AS TEXT) WHERE version = 1",
+      "UPDATE version SET version = -1 WHERE version = 1",
+      "UPDATE version SET version = 2147483647 WHERE version = 2; UPDATE entry SET version = 2147483647 WHERE version = 2",
+      "UPDATE version SET size = 1000000 WHERE version = 1",
+      "UPDATE version SET content = 'n-0123456789abcdef' WHERE version = 1",
+      "UPDATE version SET data = (SELECT data FROM entry WHERE id LIKE 'm-%') WHERE version = 1",
+      "UPDATE entry SET thumbnail = data WHERE id LIKE 'n-%'",
+      "UPDATE entry SET created = '' WHERE id LIKE 'n-%'",
+      "UPDATE tag SET tag = char(7) WHERE tag = 'slow'",
+      "DELETE FROM version WHERE version = 2",
+  };
+  Library to = open();
+  for (const char* change : changes) {
+    SCOPED_TRACE(change);
+    fs::copy_file(good, bad, fs::copy_options::overwrite_existing);
+    {
+      auto database = Database::open(bad, OpenMode::read_write);
+      ASSERT_TRUE(database && database->run("PRAGMA ignore_check_constraints = ON"));
+      const auto changed = database->run(change);
+      ASSERT_TRUE(changed) << changed.error().text();
+    }
+    const Result<Library> from = Library::open_read_only(bad);
+    ASSERT_TRUE(from);
+    const auto refused = copy_entries(*from, to);
+    ASSERT_FALSE(refused);
+    for (const Problem& p : refused.error().problems) EXPECT_FALSE(p.place.empty() || p.message.empty() || p.remedy.empty()) << p.text();
+    EXPECT_TRUE(names_of(to.find()).empty()) << "wholly or not at all";
+    const auto check = to.check(false);
+    ASSERT_TRUE(check);
+    EXPECT_TRUE(check->problems.empty()) << check->problems.text();
+  }
+  const Result<Library> from = Library::open_read_only(good);
+  ASSERT_TRUE(from && copy_entries(*from, to));
+  EXPECT_EQ(names_of(to.find()), (std::vector<std::string>{"body", "stroll"}));
+}
+
 }  // namespace
 }  // namespace ugoki::store

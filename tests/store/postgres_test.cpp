@@ -79,5 +79,28 @@ TEST_F(PostgresTest, NewerAndEmptyDatabasesAreSaid) {
   EXPECT_TRUE(Library::open(place_));
 }
 
+TEST_F(PostgresTest, AnOlderLibraryIsBroughtUpToDate) {
+  {
+    Result<Library> library = Library::open(place_);
+    ASSERT_TRUE(library);
+    ASSERT_TRUE(library->put(std::vector{make_item(EntryKind::motion, "walk", "1", {}, R"({"duration": 2})"),
+                                         make_item(EntryKind::motion, "walk far", "2", {}, R"({"duration": 9})")}));
+  }
+  EXPECT_EQ(server_->psql("ALTER TABLE ugoki.entry_text DROP id, DROP name_key, DROP changed, DROP duration_ms; UPDATE ugoki.library SET "
+                          "version = 2"),
+            "");
+  const auto looking = Library::open_read_only(place_);
+  ASSERT_FALSE(looking);
+  EXPECT_EQ(looking.error().problems.front().code, ErrorCode::unsupported) << looking.error().text();
+  const Result<Library> library = Library::open(place_);
+  ASSERT_TRUE(library) << library.error().text();
+  EXPECT_EQ(names_of(library->find({.text = "walk", .order = LibraryOrder::longest})), (std::vector<std::string>{"walk far", "walk"}));
+  EXPECT_TRUE(library->check(false)->problems.empty());
+  EXPECT_TRUE(Library::open_read_only(place_));
+  EXPECT_EQ(server_->psql("UPDATE ugoki.entry_text SET duration_ms = 1"), "");
+  EXPECT_EQ(library->check(false)->problems.problems.size(), 2u);
+  EXPECT_TRUE(library->check(true)->problems.empty());
+}
+
 }  // namespace
 }  // namespace ugoki::store

@@ -1,10 +1,10 @@
 // A hundred thousand motions: browsing and searching within 50 ms, on both databases.
 
 #include <chrono>
+#include <functional>
 #include <random>
 
 #include "on_both.h"
-#include "ugoki/store/copy.h"
 
 namespace ugoki::store {
 namespace {
@@ -21,6 +21,9 @@ LibraryItem motion_number(int i, std::mt19937& random) {
   if (random() % 3) name = std::string(action) + " " + name;
   std::vector<std::string> tags = {random() % 2 ? "cmu" : "own", ways[random() % 10]};
   if (i % 1000 == 0) tags.push_back("checked");
+  // What came in all at once stands together in the order of time.
+  if (i >= motions - 5000) tags.push_back("late");
+  if (i >= motions - 20'000) tags.push_back("second half");
   const std::string summary = R"({"mechanism": "m-0123456789abcdef", "frames": )" + std::to_string(random() % 5000) +
                               R"(, "joints": 31, "rate": 120, "duration": )" +
                               std::to_string(static_cast<double>(random() % 100'000) / 1000) + R"(, "cyclic": false, "source": "cmu_)" +
@@ -28,25 +31,65 @@ LibraryItem motion_number(int i, std::mt19937& random) {
   return make_item(EntryKind::motion, name, "data " + std::to_string(i), tags, summary);
 }
 
-class SpeedTest : public OnBoth {};
-
-TEST_P(SpeedTest, AHundredThousandMotionsAreBrowsedAndSearched) {
-  using clock = std::chrono::steady_clock;
-  const auto ms = [](clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); };
-  const auto began = clock::now();
-  {
-    Library library = open();
-    std::mt19937 random(20260601);
-    std::vector<LibraryItem> items;
-    for (int i = 0; i < motions; ++i) {
-      items.push_back(motion_number(i, random));
-      if (items.size() < 5000) continue;
-      ASSERT_TRUE(library.put(items));
-      items.clear();
+class SpeedTest : public OnBoth {
+ protected:
+  struct Pages {
+    double first = 0, deep = 0;  ///< ms: the first page, the slowest of the others
+    std::size_t found = 0, total = 0;
+  };
+  static double ms_of(const std::function<void()>& work, int repeats) {
+    using clock = std::chrono::steady_clock;
+    double least = 1e9;
+    for (int i = 0; i < repeats; ++i) {
+      const auto start = clock::now();
+      work();
+      least = std::min(least, std::chrono::duration<double, std::milli>(clock::now() - start).count());
+    }
+    return least;
+  }
+  /// Pages of 100: the first, and some on the way to the end.
+  static Pages measure(const Library& library, LibraryQuery query) {
+    Pages out;
+    query.limit = 100;
+    Result<LibraryPage> page;
+    out.first = ms_of([&] { page = library.find(query); }, 7);
+    for (bool first = true;; first = false) {
+      if (!page) {
+        ADD_FAILURE() << page.error().text();
+        return out;
+      }
+      if (first) out.total = page->total;
+      LibraryQuery stride = query;
+      stride.limit = 5000;
+      const Result<LibraryPage> next = library.find(stride);
+      if (!next) {
+        ADD_FAILURE() << next.error().text();
+        return out;
+      }
+      out.found += next->entries.size();
+      if (next->next.empty()) return out;
+      query.after = next->next;
+      out.deep = std::max(out.deep, ms_of([&] { page = library.find(query); }, 3));
     }
   }
-  std::printf("putting in %d motions: %.1f s\n", motions, ms(clock::now() - began) / 1000);
-  Library library = open();
+};
+
+TEST_P(SpeedTest, AHundredThousandMotionsAreBrowsedAndSearched) {
+  const double filling = ms_of(
+      [&] {
+        Library library = open();
+        std::mt19937 random(20260601);
+        std::vector<LibraryItem> items;
+        for (int i = 0; i < motions; ++i) {
+          items.push_back(motion_number(i, random));
+          if (items.size() < 5000) continue;
+          ASSERT_TRUE(library.put(items));
+          items.clear();
+        }
+      },
+      1);
+  std::printf("putting in %d motions: %.1f s\n", motions, filling / 1000);
+  const Library library = open();
   struct Case {
     const char* what;
     LibraryQuery query;
@@ -55,63 +98,42 @@ TEST_P(SpeedTest, AHundredThousandMotionsAreBrowsedAndSearched) {
   const std::vector<std::string> motion = {"motion"}, usual = {"mechanism", "motion"};
   using enum LibraryOrder;
   const Case cases[] = {
-      {"all, by name", {.kinds = usual, .limit = 100}, 100},
-      {"all, newest", {.kinds = usual, .limit = 100, .order = newest}, 100},
-      {"all, longest", {.limit = 100, .order = longest}, 100},
-      {"a letter", {.text = "w", .kinds = usual, .limit = 100, .order = relevance}, 100},
-      {"frequent word", {.text = "walk", .kinds = usual, .limit = 100, .order = relevance}, 100},
-      {"in all sources", {.text = "bvh", .kinds = usual, .limit = 100, .order = relevance}, 100},
-      {"in all, newest", {.text = "cmu", .kinds = usual, .limit = 100, .order = newest}, 100},
-      {"two words", {.text = "walk slow", .kinds = usual, .limit = 100, .order = relevance}, 100},
-      {"rare", {.text = "512_7", .kinds = usual, .limit = 100, .order = relevance}, 1},
-      {"numbers", {.text = "51", .kinds = usual, .limit = 100, .order = relevance}, 100},
-      {"nothing", {.text = "xylophone", .kinds = usual, .limit = 100, .order = relevance}, 0},
-      {"frequent tag", {.kinds = usual, .tags = {"cmu"}, .limit = 100}, 100},
-      {"rare tag", {.kinds = usual, .tags = {"checked"}, .limit = 100}, 100},
-      {"word and tags", {.text = "jump", .kinds = motion, .tags = {"own", "tired"}, .limit = 100}, 100},
-      {"word, longest", {.text = "dance", .kinds = motion, .limit = 100, .order = longest}, 100},
-      {"last by name", {.text = "walk 9", .kinds = motion, .limit = 100, .order = relevance}, 100},
+      {"all", {.kinds = usual}, 100'000},
+      {"all kinds", {}, 100'000},
+      {"a letter", {.text = "w", .kinds = usual}, 5000},
+      {"one in ten", {.text = "walk", .kinds = usual}, 5000},
+      {"one in ten", {.text = "dance", .kinds = motion}, 5000},
+      {"in all sources", {.text = "bvh", .kinds = usual}, 100'000},
+      {"one in two", {.text = "cmu own", .kinds = usual}, 20'000},
+      {"two words", {.text = "walk slow", .kinds = usual}, 500},
+      {"in a row", {.text = "\"walk 51\"", .kinds = usual}, 5},
+      {"rare", {.text = "512_7", .kinds = usual}, 1},
+      {"numbers", {.text = "51", .kinds = usual}, 100},
+      {"nothing", {.text = "xylophone", .kinds = usual}, 0},
+      {"frequent tag", {.kinds = usual, .tags = {"cmu"}}, 20'000},
+      {"rare tag", {.kinds = usual, .tags = {"checked"}}, 100},
+      {"tags", {.text = "jump", .kinds = motion, .tags = {"own", "tired"}}, 100},
+      {"came last", {.text = "late", .kinds = usual}, 5000},
+      {"came last, many", {.text = "second", .kinds = usual}, 20'000},
+      {"tag came last", {.kinds = usual, .tags = {"second half"}}, 20'000},
+      {"word came last", {.text = "jump", .kinds = usual, .tags = {"second half"}}, 1000},
   };
+  constexpr std::pair<const char*, LibraryOrder> orders[] = {{"relevance", relevance}, {"name", name},       {"newest", newest},
+                                                             {"oldest", oldest},       {"longest", longest}, {"shortest", shortest}};
   double worst = 0;
-  for (const Case& c : cases) {
-    double least = 1e9, first = 0;
-    std::size_t found = 0, total = 0;
-    for (int repeat = 0; repeat < 15; ++repeat) {
-      const auto start = clock::now();
-      const auto page = library.find(c.query);
-      const double took = ms(clock::now() - start);
-      ASSERT_TRUE(page) << page.error().text();
-      if (repeat == 0) first = took;
-      least = std::min(least, took);
-      found = page->entries.size();
-      total = page->total;
+  std::printf("%-16s %-10s  first page  later pages [ms]\n", "search", "order");
+  for (const Case& c : cases)
+    for (const auto& [order_name, order] : orders) {
+      LibraryQuery query = c.query;
+      query.order = order;
+      const Pages pages = measure(library, query);
+      EXPECT_GE(pages.found, c.least) << c.what;
+      std::printf("%-16s %-10s  %10.1f  %11.1f  %zu found, %zu told\n", c.what, order_name, pages.first, pages.deep, pages.found,
+                  pages.total);
+      worst = std::max({worst, pages.first, pages.deep});
     }
-    EXPECT_GE(found, c.least) << c.what;
-    std::printf("%-16s %6.1f ms (the first time %6.1f)  %zu of %zu\n", c.what, least, first, found, total);
-    worst = std::max(worst, least);
-  }
-  // Page after page to the end of a long answer.
-  LibraryQuery query{.text = "walk", .kinds = usual, .limit = 500, .order = relevance};
-  double slowest = 0;
-  std::size_t all = 0;
-  do {
-    double least = 1e9;
-    Result<LibraryPage> page;
-    for (int repeat = 0; repeat < 3; ++repeat) {
-      const auto start = clock::now();
-      page = library.find(query);
-      least = std::min(least, ms(clock::now() - start));
-      ASSERT_TRUE(page) << page.error().text();
-    }
-    slowest = std::max(slowest, least);
-    all += page->entries.size();
-    query.after = page->next;
-  } while (!query.after.empty());
-  std::printf("the slowest of the pages of 500 of %zu found: %.1f ms; the slowest of all questions above: %.1f ms\n", all, slowest, worst);
-  EXPECT_GT(all, 5000u);
-  const auto start = clock::now();
-  ASSERT_TRUE(library.tags(usual));
-  std::printf("all tags with their counts: %.1f ms\n", ms(clock::now() - start));
+  std::printf("the slowest page: %.1f ms\n", worst);
+  std::printf("all tags with their counts: %.1f ms\n", ms_of([&] { ASSERT_TRUE(library.tags(usual)); }, 3));
 }
 INSTANTIATE_TEST_SUITE_P(Slow_Databases, SpeedTest, ::testing::Values(Which::sqlite, Which::postgres), name_of_database);
 

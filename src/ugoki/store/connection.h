@@ -56,11 +56,12 @@ class Rows {
 /// What the two languages spell differently.
 struct Dialect {
   bool postgres = false;
-  std::string now;     ///< expression: UTC now, "2026-03-01T12:00:00.123Z"
-  std::string instr;   ///< function: where the second text stands in the first, 0 if nowhere
-  std::string join;    ///< join that keeps the order of the tables where the database would choose a worse one
-  std::string match;   ///< SELECT of the entries (as `no`) whose words match the next parameter, which replaces {query}
-  std::string update;  ///< suffix of a SELECT that locks the rows it finds
+  std::string now;               ///< expression: UTC now, "2026-03-01T12:00:00.123Z"
+  std::string instr;             ///< function: where the second text stands in the first, 0 if nowhere
+  std::string match;             ///< SELECT of the entries (as `no`) whose words match the next parameter, which replaces {query}
+  std::string hits;              ///< FROM of the result `hit` of that: no, id and what is sorted by, as columns of `e`
+  bool counts_by_index = false;  ///< counting what matches reads no rows
+  std::string update;            ///< suffix of a SELECT that locks the rows it finds
 };
 
 /// Used by one thread at a time.

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "ugoki/json/json.h"
+#include "ugoki/store/copied_entry.h"
 #include "ugoki/store/library_body.h"
 
 namespace ugoki::store {
@@ -74,20 +75,36 @@ class Copy {
     return out;
   }
 
-  Result<void> copy_blob(const std::string& hash, const std::string& what) {
+  Result<void> put_new(const std::string& hash, std::span<const std::byte> bytes) {
     const Result<bool> there = has_blob(*to_.connection, hash);
     if (!there) return fail(there.error());
     if (*there) return {};
-    const Result<std::vector<std::byte>> bytes = read_blob(*from_.connection, hash, what);
-    if (!bytes) return fail(bytes.error());
     ++report_.blobs;
-    return put_blob(*to_.connection, hash, *bytes);
+    return put_blob(*to_.connection, hash, bytes);
   }
 
-  Result<void> add_versions(std::int64_t no, const std::vector<VersionRow>& versions, std::size_t first) {
-    for (std::size_t i = first; i < versions.size(); ++i) {
-      if (Result<void> done = copy_blob(versions[i].data, "content " + versions[i].content); !done) return done;
-      if (Result<void> done = insert_version(*to_.connection, no, versions[i]); !done) return done;
+  Result<void> copy_thumbnail(const EntryRow& entry) {
+    if (entry.thumbnail.empty()) return {};
+    const Result<std::vector<std::byte>> bytes = read_blob(*from_.connection, entry.thumbnail, "thumbnail of entry " + entry.id);
+    if (!bytes) return fail(bytes.error());
+    if (Result<void> good = check_copied_thumbnail(from_, entry, *bytes); !good) return good;
+    return put_new(entry.thumbnail, *bytes);
+  }
+
+  /// The data of these versions, each checked even where they are there already.
+  Result<void> copy_data(const EntryRow& entry, std::span<const VersionRow> versions) {
+    for (const VersionRow& v : versions) {
+      const Result<std::vector<std::byte>> bytes = read_blob(*from_.connection, v.data, "entry " + entry.id + " '" + v.name + "'");
+      if (!bytes) return fail(bytes.error());
+      if (Result<void> good = check_copied_data(from_, entry, v, *bytes); !good) return good;
+      if (Result<void> done = put_new(v.data, *bytes); !done) return done;
+    }
+    return {};
+  }
+
+  Result<void> add_versions(std::int64_t no, std::span<const VersionRow> versions) {
+    for (const VersionRow& v : versions) {
+      if (Result<void> done = insert_version(*to_.connection, no, v); !done) return done;
       ++report_.versions;
     }
     return {};
@@ -97,28 +114,26 @@ class Copy {
     Result<std::vector<VersionRow>> versions = read_versions(*from_.connection, entry.no);
     if (!versions) return fail(std::move(versions.error()));
     if (options_.latest_only && versions->size() > 1) versions->erase(versions->begin(), versions->end() - 1);
-    if (versions->empty())
-      return fail(ErrorCode::structure, from_.place(entry.id), "The entry has no version.", "Run `ugoki db check` on this library.");
-    const std::string what = "entry " + entry.id + " '" + entry.newest.name + "'";
-    // The row of an entry names its blobs, so these come first.
+    if (Result<void> good = check_copied(from_, entry, *versions); !good) return good;
     const Result<std::vector<EntryRow>> known = read_entries(*to_.connection, "e.id = ?1", entry.id);
     if (!known) return fail(known.error());
-    if (!entry.thumbnail.empty())
-      if (Result<void> done = copy_blob(entry.thumbnail, "thumbnail of " + what); !done) return done;
     if (known->empty()) {
-      if (Result<void> done = copy_blob(entry.newest.data, what); !done) return done;
+      // The row of an entry names its blobs, so these come first.
+      if (Result<void> done = copy_thumbnail(entry); !done) return done;
+      if (Result<void> done = copy_data(entry, *versions); !done) return done;
       const Result<std::int64_t> no = insert_entry(*to_.connection, entry);
       if (!no) return fail(no.error());
       if (*no == 0)
         return fail(ErrorCode::conflict, to_.place(entry.id), "Somebody puts in the same entry at this moment.", "Do it again.");
       ++report_.added;
-      return add_versions(*no, *versions, 0);
+      return add_versions(*no, *versions);
     }
     return merge(entry, *versions, known->front());
   }
 
   /// The entry is there: goes on from where it stands, if what stands there is a part of the history here.
   Result<void> merge(const EntryRow& entry, const std::vector<VersionRow>& here, const EntryRow& there) {
+    if (Result<void> done = copy_thumbnail(entry); !done) return done;
     if (Result<void> done = merge_tags(entry, there); !done) return done;
     const Result<std::vector<VersionRow>> known = read_versions(*to_.connection, there.no);
     if (!known) return fail(known.error());
@@ -131,7 +146,9 @@ class Copy {
     const auto last = std::ranges::find(here, known->back());
     if (last != here.end()) {
       ++report_.continued;
-      if (Result<void> done = add_versions(there.no, here, static_cast<std::size_t>(last - here.begin()) + 1); !done) return done;
+      const std::span<const VersionRow> newer(last + 1, here.end());
+      if (Result<void> done = copy_data(entry, newer); !done) return done;
+      if (Result<void> done = add_versions(there.no, newer); !done) return done;
       return set_newest(there, here.back(), entry.thumbnail);
     }
     if (!options_.save_differing) {
@@ -150,7 +167,8 @@ class Copy {
         return {};
       }
     ++report_.saved;
-    if (Result<void> done = add_versions(there.no, {next}, 0); !done) return done;
+    if (Result<void> done = copy_data(entry, {&next, 1}); !done) return done;
+    if (Result<void> done = add_versions(there.no, {&next, 1}); !done) return done;
     return set_newest(there, next, entry.thumbnail);
   }
 

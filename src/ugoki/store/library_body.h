@@ -49,5 +49,7 @@ enum class Trash : std::uint8_t { no, yes, both };
 [[nodiscard]] std::unexpected<Error> no_entry(const LibraryBody& body, std::string_view id);
 /// A problem unless the summary is a JSON object and the name is not empty.
 [[nodiscard]] Result<void> check_item(const LibraryBody& body, std::string_view id, const std::string& name, const std::string& summary);
+/// Whether a browser shows it: PNG, or WebP in its RIFF container.
+[[nodiscard]] bool is_picture(std::span<const std::byte> bytes);
 
 }  // namespace ugoki::store

@@ -48,7 +48,11 @@ SearchText search_text(const EntryRow& entry) {
 Result<void> insert_words(Connection& connection, std::int64_t no, const SearchText& text) {
   Result<Rows> done;
   if (connection.dialect().postgres)
-    done = connection.query("INSERT INTO entry_text (entry, terms) VALUES (?1, ?2::text::tsvector)", {no, text.tsvector()});
+    done = connection.query(
+        "INSERT INTO entry_text (entry, id, name_key, changed, duration_ms, terms) SELECT e.no, e.id, e.name_key, e.changed, "
+        "e.duration_ms, "
+        "?2::text::tsvector FROM entry e WHERE e.no = ?1",
+        {no, text.tsvector()});
   else
     done = connection.query("INSERT INTO entry_text (rowid, name, other, marks) VALUES (?1, ?2, ?3, ?4)",
                             {no, text.name_words(), text.other_words(), text.mark_words()});

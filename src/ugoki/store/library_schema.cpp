@@ -71,10 +71,24 @@ CREATE INDEX tag_by_kind ON tag (kind, tag);
 constexpr const char* sqlite_text =
     "CREATE VIRTUAL TABLE entry_text USING fts5 (name, other, marks, tokenize = 'ascii', prefix = '1 2 3');";
 constexpr const char* postgres_text = R"(
-CREATE TABLE entry_text (entry bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE, terms tsvector NOT NULL);
-CREATE INDEX entry_text_terms ON entry_text USING gin (terms);
-CREATE TABLE library (version bigint NOT NULL);
-INSERT INTO library VALUES (2);
+CREATE TABLE entry_text (
+  entry       bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE,
+  id          {text} NOT NULL,         -- what is sorted by stands here as well: the rows of entry are larger
+  name_key    {text} NOT NULL,
+  changed     {text} NOT NULL,
+  duration_ms bigint NOT NULL,
+  terms       tsvector NOT NULL
+);
+CREATE INDEX entry_text_terms ON entry_text USING gin (terms) WITH (fastupdate = off);  -- every search would read the list of what is new
+)";
+constexpr const char* postgres_version = "CREATE TABLE library (version bigint NOT NULL); INSERT INTO library VALUES (3);";
+/// Version 2 had nothing but the words in entry_text.
+constexpr const char* postgres_before_3 =
+    "CREATE TEMP TABLE old_text ON COMMIT DROP AS SELECT entry, terms FROM entry_text; DROP TABLE entry_text;";
+constexpr const char* postgres_after_2 = R"(
+INSERT INTO entry_text (entry, id, name_key, changed, duration_ms, terms)
+  SELECT e.no, e.id, e.name_key, e.changed, e.duration_ms, o.terms FROM old_text o JOIN entry e ON e.no = o.entry ORDER BY e.no;
+UPDATE library SET version = 3;
 )";
 
 std::string spelled(std::string text, bool postgres) {
@@ -91,11 +105,11 @@ std::string spelled(std::string text, bool postgres) {
   return text;
 }
 
-std::unexpected<Error> newer(const std::string& place, std::int64_t version) {
-  return fail(ErrorCode::unsupported, place,
-              "The library was made by a newer Ugoki (version " + std::to_string(version) + "; this program knows " +
-                  std::to_string(library_version) + ").",
-              "Use a newer Ugoki, or choose another library with --library.");
+std::unexpected<Error> newer(const std::string& place, std::int64_t version, std::int64_t known) {
+  return fail(
+      ErrorCode::unsupported, place,
+      "The library was made by a newer Ugoki (version " + std::to_string(version) + "; this program knows " + std::to_string(known) + ").",
+      "Use a newer Ugoki, or choose another library with --library.");
 }
 
 /// Number that a pragma tells.
@@ -163,7 +177,7 @@ Result<void> check_library(Database& database) {
   if (*application != library_application_id)
     return fail(ErrorCode::syntax, database.path(), "This database is not a library of Ugoki.",
                 "Choose another file with --library or $UGOKI_LIBRARY.");
-  if (*version > library_version) return newer(database.path(), *version);
+  if (*version > library_version) return newer(database.path(), *version, library_version);
   if (*version < 1)
     return fail(ErrorCode::syntax, database.path(), "The library has an impossible version.",
                 "Restore it from a copy; it was left as it is.");
@@ -179,7 +193,7 @@ Result<void> migrate_library(Connection& connection) {
     version = pragma(connection, "user_version");  // another program may have been faster
     if (!version) return fail(std::move(version.error()));
     if (*version == library_version) return {};
-    if (*version > library_version) return newer(connection.place(), *version);
+    if (*version > library_version) return newer(connection.place(), *version, library_version);
     Result<void> done = *version == 1 ? take_over_version_1(connection) : connection.script(spelled(tables, false) + sqlite_text);
     if (!done) return done;
     return connection.script("PRAGMA application_id = " + std::to_string(library_application_id) +
@@ -203,8 +217,11 @@ Result<void> prepare_postgres(Connection& connection, bool read_only) {
   };
   Result<std::int64_t> known = version();
   if (!known) return fail(std::move(known.error()));
-  if (*known > library_version) return newer(connection.place(), *known);
-  if (*known == library_version) return {};
+  if (*known > server_version) return newer(connection.place(), *known, server_version);
+  if (*known == server_version) return {};
+  if (read_only && *known == 2)
+    return fail(ErrorCode::unsupported, connection.place(), "This library was made by an older Ugoki and may only be read here.",
+                "Open it once for writing, which brings it up to date: `ugoki db check` does.");
   if (read_only)
     return fail(ErrorCode::unknown, connection.place(), "This database holds no library of Ugoki yet.",
                 "Put something in with `ugoki import`, or copy a library there with `ugoki db copy`.");
@@ -214,9 +231,10 @@ Result<void> prepare_postgres(Connection& connection, bool read_only) {
     if (const Result<Rows> lock = connection.query("SELECT pg_advisory_xact_lock(1431786316)::text"); !lock) return fail(lock.error());
     known = version();
     if (!known) return fail(std::move(known.error()));
-    if (*known == library_version) return {};
+    if (*known == server_version) return {};
+    if (*known == 2) return connection.script(postgres_before_3 + spelled(postgres_text, true) + postgres_after_2);
     if (Result<void> made = connection.script("CREATE SCHEMA IF NOT EXISTS ugoki"); !made) return made;
-    return connection.script(spelled(tables, true) + postgres_text);
+    return connection.script(spelled(tables, true) + spelled(postgres_text, true) + postgres_version);
   };
   if (Result<void> done = work(); !done) {
     connection.rollback();

@@ -1,10 +1,11 @@
 // Searching and browsing.
 //
-// Two ways, the same on both databases, chosen so that neither ever reads all of a large library:
+// Two ways, the same on both databases, chosen so that no search reads all rows of a large library:
 // - few fit: the index of words (which knows kinds and tags as well) gives the entries, these are sorted;
 // - many fit, or nothing is asked for: the entries are read in the order asked for, from the place where the page begins, and each is
 //   looked at; a page is soon full because many fit. The words of an entry stand in one text, so that "has these words in a row" is
-//   "contains this text", which means exactly what the index of words means.
+//   "contains this text", which means exactly what the index of words means. Where those that fit stand far from where the page begins,
+//   that would take long: after some thousand rows it is given up, and what fits is sorted after all.
 
 #include <algorithm>
 #include <array>
@@ -111,24 +112,21 @@ class Search {
       after = std::move(*position);
     }
     const bool filtered = !phrases_.empty() || !tags_.empty();
-    std::size_t fit = body_.few + 1;
-    if (filtered && !query_.removed) {
-      Result<std::size_t> counted = count_matches(false);
-      if (!counted) return fail(std::move(counted.error()));
-      fit = *counted;
-      if (by_relevance_ && fit > body_.few) {
-        counted = count_matches(true);
-        if (!counted) return fail(std::move(counted.error()));
-        few_names_ = *counted <= body_.few;
-      }
-    } else if (!after && !filtered) {
+    by_index_ = filtered && !query_.removed;
+    if (!filtered && !after)
       if (Result<void> counted = count_all(out); !counted) return fail(std::move(counted.error()));
+    Result<std::vector<Hit>> hits;
+    if (by_index_) {
+      Result<Sorted> found = sorted_if_few(after, false);
+      if (!found) return fail(std::move(found.error()));
+      out.total = std::min(found->total, body_.few);
+      out.total_exact = found->total <= body_.few;
+      hits = out.total_exact ? std::move(found->hits) : walk(after);
+    } else {
+      out.total_exact = !filtered;
+      if (filtered) out.total = body_.few;
+      hits = walk(after);
     }
-    if (filtered) {
-      out.total = std::min(fit, body_.few);
-      out.total_exact = fit <= body_.few;
-    }
-    Result<std::vector<Hit>> hits = fit > body_.few ? walk(after) : sorted(after);
     if (!hits) return fail(std::move(hits.error()));
     if (hits->size() > query_.limit) {
       hits->resize(query_.limit);
@@ -150,10 +148,14 @@ class Search {
     Position position;
     EntryRow row;
   };
+  struct Sorted {
+    std::vector<Hit> hits;  ///< a page, and one more if there is
+    std::size_t total = 0;
+  };
   [[nodiscard]] Connection& connection() const { return *body_.connection; }
   [[nodiscard]] const Dialect& dialect() const { return connection().dialect(); }
 
-  /// The entries that fit, by the index of words.
+  /// The entries that fit, by the index of words, as `hit`.
   [[nodiscard]] std::string match(Sql& sql, bool in_name) const {
     const std::vector<std::string>& kinds = query_.kinds;
     std::string out = dialect().match;
@@ -170,13 +172,15 @@ class Search {
     return static_cast<std::size_t>(rows->integer(0, 0));
   }
 
-  /// What every entry of the answer must fulfil, said of its own row.
-  std::string conditions(Sql& sql) const {
-    std::string out = query_.removed ? "e.removed IS NOT NULL" : "e.removed IS NULL";
+  /// What an entry must fulfil, said of its own row.
+  std::string conditions(Sql& sql, int part) const {
+    std::string out = "1 = 1";
     for (std::size_t i = 0; i < phrases_.phrases.size(); ++i)
       out += " AND " + dialect().instr + "(e.words, " + sql.parameter(phrases_.in_words(i)) + ") > 0";
     for (const std::string& tag : tags_)
       out += " AND EXISTS (SELECT 1 FROM tag t WHERE t.entry = e.no AND t.tag = " + sql.parameter(Value(tag)) + ")";
+    if (by_relevance_ && part == 1) out += " AND " + in_name(sql) + " AND NOT " + begins(sql);
+    if (by_relevance_ && part == 2) out += " AND NOT " + in_name(sql);
     return out;
   }
 
@@ -190,18 +194,15 @@ class Search {
       out += (i ? " AND " : "(") + dialect().instr + "(' ' || e.name_key, " + sql.parameter(phrases_.in_words(i)) + ") > 0";
     return out + ")";
   }
-  std::string of_part(Sql& sql, int part) const {
-    if (part == 0) return begins(sql);
-    if (part == 1) return in_name(sql) + " AND NOT " + begins(sql);
-    return "NOT " + in_name(sql);
+  /// Behind `place` in the order, within one part.
+  std::string behind(Sql& sql, const Position& place) const { return compared(sql, column_of(query_.order).descending ? "<" : ">", place); }
+  std::string until(Sql& sql, const Position& place) const {
+    return compared(sql, column_of(query_.order).descending ? ">=" : "<=", place);
   }
-
-  /// Behind `after` in the order, within one part.
-  std::string behind(Sql& sql, const Position& after) const {
+  std::string compared(Sql& sql, const char* how, const Position& place) const {
     const Column column = column_of(query_.order);
-    const std::string key = column.number ? after.key : sql.parameter(Value(after.key));  // a number was checked to be digits
-    return std::string("(") + column.name + ", e.id) " + (column.descending ? "<" : ">") + " (" + key + ", " +
-           sql.parameter(Value(after.id)) + ")";
+    const std::string key = column.number ? place.key : sql.parameter(Value(place.key));  // a number was checked to be digits
+    return std::string("(") + column.name + ", e.id) " + how + " (" + key + ", " + sql.parameter(Value(place.id)) + ")";
   }
   std::string in_order() const {
     const Column column = column_of(query_.order);
@@ -209,29 +210,24 @@ class Search {
     return std::string(column.name) + way + ", e.id" + way;
   }
 
-  Result<void> run(const Sql& sql, int part, std::vector<Hit>& hits) const {
-    const Result<Rows> rows = connection().query(sql.text, sql.values);
-    if (!rows) return fail(rows.error());
-    for (std::size_t r = 0; r < rows->size(); ++r) {
-      Hit hit;
-      hit.row = entry_of(*rows, r);
-      hit.position = {part >= 0 ? part : static_cast<int>(rows->integer(r, entry_column_count + 1)), rows->text(r, entry_column_count),
-                      hit.row.id};
-      hits.push_back(std::move(hit));
-    }
-    return {};
+  static Hit hit_of(const Rows& rows, std::size_t r, int part) {
+    Hit hit;
+    hit.row = entry_of(rows, r);
+    hit.position = {part, rows.text(r, entry_column_count), hit.row.id};
+    return hit;
   }
 
-  /// Few fit: all of them, sorted.
-  Result<std::vector<Hit>> sorted(const std::optional<Position>& after) const {
+  /// What the index of words gives, sorted. Only what is compared is sorted; the rows of the page are fetched afterwards.
+  /// @param names only part 1: those with the text in their name, which does not begin with it
+  /// @param most so many are looked at; if there are more, the page is wrong. 0: all
+  Result<Sorted> sorted(const std::optional<Position>& after, bool names, std::size_t most) const {
     Sql sql;
-    sql.text = "WITH hit AS MATERIALIZED (" + match(sql, false) + ") ";
-    std::string part = "0";
-    if (by_relevance_) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
+    sql.text = "WITH hit AS MATERIALIZED (" + match(sql, names) + (most > 0 ? " LIMIT " + std::to_string(most + 1) : "") + ") ";
+    std::string part = names ? "1" : "0";
+    if (by_relevance_ && !names) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
     const Column column = column_of(query_.order);
-    // Only what is compared is sorted; the rows of the page are fetched afterwards.
-    std::string narrow = "SELECT e.no, e.id, " + std::string(column.name) + " AS key, " + part + " AS part FROM hit h " + dialect().join +
-                         " entry e ON e.no = h.no WHERE e.removed IS NULL";
+    const std::string narrow = "SELECT e.no, e.id, " + std::string(column.name) + " AS key, " + part + " AS part FROM " + dialect().hits +
+                               (names ? " WHERE NOT " + begins(sql) : "");
     std::string place;
     if (after) {
       // The parts are compared first: each is a list of its own.
@@ -241,48 +237,95 @@ class Search {
     }
     const std::string way = column.descending ? " DESC" : "", order = " ORDER BY s.part, s.key" + way + ", s.id" + way;
     sql.text += ", page AS MATERIALIZED (SELECT * FROM (" + narrow + ") s" + place + order + " LIMIT " + std::to_string(query_.limit + 1) +
-                ") SELECT " + entry_columns + ", s.key, s.part FROM page s " + dialect().join + " entry e ON e.no = s.no" + order;
-    std::vector<Hit> hits;
-    if (Result<void> done = run(sql, -1, hits); !done) return fail(std::move(done.error()));
-    return hits;
+                ") SELECT " + entry_columns +
+                ", s.key, s.part, t.total FROM (SELECT count(*) AS total FROM hit) t LEFT JOIN page s ON 1 = 1 " +
+                "LEFT JOIN entry e ON e.no = s.no" + order;
+    const Result<Rows> rows = connection().query(sql.text, sql.values);
+    if (!rows) return fail(rows.error());
+    Sorted out;
+    out.total = static_cast<std::size_t>(rows->integer(0, entry_column_count + 2));
+    for (std::size_t r = 0; r < rows->size() && !rows->is_null(r, 0); ++r)
+      out.hits.push_back(hit_of(*rows, r, static_cast<int>(rows->integer(r, entry_column_count + 1))));
+    return out;
+  }
+
+  /// The same if no more than `few` fit; otherwise only that they are more. One question where counting costs as much as finding.
+  Result<Sorted> sorted_if_few(const std::optional<Position>& after, bool names) const {
+    if (!dialect().counts_by_index) return sorted(after, names, body_.few);
+    const Result<std::size_t> total = count_matches(names);
+    if (!total) return fail(total.error());
+    if (*total <= body_.few) return sorted(after, names, 0);
+    return Sorted{{}, *total};
   }
 
   /// Many fit: part by part and kind by kind, each in the order of its index; the kinds are merged.
   Result<std::vector<Hit>> walk(const std::optional<Position>& after) const {
     std::vector<Hit> all;
-    const Column column = column_of(query_.order);
     for (int part = after ? after->part : 0; part < (by_relevance_ ? relevance_parts : 1) && all.size() <= query_.limit; ++part) {
+      const std::optional<Position> from = after && part == after->part ? after : std::nullopt;
       std::vector<Hit> hits;
-      for (const std::string& kind : kinds_) {
-        Result<void> done = walk_kind(kind, part, after && part == after->part ? &*after : nullptr, query_.limit + 1 - all.size(), hits);
-        if (!done) return fail(std::move(done.error()));
+      bool found = false;
+      if (part == 1) {  // many fit, but perhaps few by their name alone
+        Result<Sorted> names = sorted_if_few(from, true);
+        if (!names) return fail(std::move(names.error()));
+        found = names->total <= body_.few;
+        if (found) hits = std::move(names->hits);
       }
-      const auto before = [&](const Hit& a, const Hit& b) {
-        const Position &p = a.position, &q = b.position;
-        if (p.key == q.key) return column.descending ? p.id > q.id : p.id < q.id;
-        const bool less = column.number && p.key.size() != q.key.size() ? p.key.size() < q.key.size() : p.key < q.key;
-        return column.descending ? !less : less;
-      };
-      std::ranges::sort(hits, before);
+      if (!found) {
+        const Result<bool> done = walk_kinds(part, from, query_.limit + 1 - all.size(), hits);
+        if (!done) return fail(done.error());
+        if (!*done) {
+          Result<Sorted> every = sorted(after, false, 0);
+          if (!every) return fail(std::move(every.error()));
+          return std::move(every->hits);
+        }
+      }
       const std::size_t room = std::min(hits.size(), query_.limit + 1 - all.size());
       std::move(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(room), std::back_inserter(all));
     }
     return all;
   }
 
-  Result<void> walk_kind(const std::string& kind, int part, const Position* after, std::size_t limit, std::vector<Hit>& hits) const {
-    Sql sql;
-    std::string with, from = " FROM entry e WHERE ";
-    if (few_names_ && part == 1) {
-      with = "WITH hit AS MATERIALIZED (" + match(sql, true) + ") ";
-      from = " FROM hit h " + dialect().join + " entry e ON e.no = h.no WHERE ";
+  /// One part. False: given up, because those that fit are too far apart.
+  Result<bool> walk_kinds(int part, const std::optional<Position>& after, std::size_t limit, std::vector<Hit>& hits) const {
+    for (const std::string& kind : kinds_) {
+      Result<bool> done = walk_kind(kind, part, after, limit, hits);
+      if (!done || !*done) return done;
     }
-    from += "e.kind = " + sql.parameter(Value(kind)) + " AND " + conditions(sql);
-    if (by_relevance_) from += " AND " + of_part(sql, part);
-    if (after) from += " AND " + behind(sql, *after);
-    sql.text = with + "SELECT " + entry_columns + ", " + column_of(query_.order).name + " AS key" + from + " ORDER BY " + in_order() +
+    const Column column = column_of(query_.order);
+    const auto before = [&](const Hit& a, const Hit& b) {
+      const Position &p = a.position, &q = b.position;
+      if (p.key == q.key) return column.descending ? p.id > q.id : p.id < q.id;
+      const bool less = column.number && p.key.size() != q.key.size() ? p.key.size() < q.key.size() : p.key < q.key;
+      return column.descending ? !less : less;
+    };
+    std::ranges::sort(hits, before);
+    return true;
+  }
+
+  Result<bool> walk_kind(const std::string& kind, int part, const std::optional<Position>& after, std::size_t limit,
+                         std::vector<Hit>& hits) const {
+    Sql sql;
+    const std::string key = column_of(query_.order).name, order = " ORDER BY " + in_order();
+    std::string rows_of =
+        " FROM entry e WHERE e.kind = " + sql.parameter(Value(kind)) + " AND e.removed IS " + (query_.removed ? "NOT NULL" : "NULL");
+    if (by_relevance_ && part == 0) rows_of += " AND " + begins(sql);
+    if (after) rows_of += " AND " + behind(sql, *after);
+    std::optional<Position> end;  // that far it is looked; the index alone tells where that is
+    if (by_index_) {
+      const std::size_t most = body_.few / 2 + 2 * (limit + 1);
+      const Result<Rows> row =
+          connection().query("SELECT " + key + ", e.id" + rows_of + order + " LIMIT 1 OFFSET " + std::to_string(most), sql.values);
+      if (!row) return fail(row.error());
+      if (!row->empty()) end = Position{part, row->text(0, 0), row->text(0, 1)};
+    }
+    if (end) rows_of += " AND " + until(sql, *end);
+    sql.text = "SELECT " + std::string(entry_columns) + ", " + key + " AS key" + rows_of + " AND " + conditions(sql, part) + order +
                " LIMIT " + std::to_string(limit);
-    return run(sql, part, hits);
+    const Result<Rows> rows = connection().query(sql.text, sql.values);
+    if (!rows) return fail(rows.error());
+    for (std::size_t r = 0; r < rows->size(); ++r) hits.push_back(hit_of(*rows, r, part));
+    return !end || rows->size() == limit;
   }
 
   /// Browsing: how many entries of the kinds there are.
@@ -301,7 +344,7 @@ class Search {
   SearchPhrases phrases_;
   std::vector<std::string> kinds_, tags_;
   bool by_relevance_ = false;
-  bool few_names_ = false;  ///< many fit, but few by their name alone
+  bool by_index_ = false;  ///< the index of words tells what fits
 };
 
 }  // namespace

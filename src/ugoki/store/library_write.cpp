@@ -103,13 +103,12 @@ Result<std::string> put_item(const LibraryBody& body, const LibraryItem& item, c
   return entry.id;
 }
 
-/// Whether a browser shows it: PNG, or WebP in its RIFF container.
+}  // namespace
+
 bool is_picture(std::span<const std::byte> bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return text.starts_with("\x89PNG\r\n\x1a\n") || (text.starts_with("RIFF") && text.size() > 12 && text.substr(8, 4) == "WEBP");
 }
-
-}  // namespace
 
 Result<std::vector<std::string>> Library::put(std::span<const LibraryItem> items) {
   return body_->in_transaction([&]() -> Result<std::vector<std::string>> {

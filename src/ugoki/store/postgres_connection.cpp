@@ -16,8 +16,9 @@ const Dialect postgres_dialect = {
     .postgres = true,
     .now = R"(to_char(clock_timestamp() AT TIME ZONE 'UTC', 'YYYY-MM-DD"T"HH24:MI:SS.MS"Z"'))",
     .instr = "strpos",
-    .join = "JOIN",
-    .match = "SELECT entry AS no FROM entry_text WHERE terms @@ {query}::text::tsquery",
+    .match = "SELECT entry AS no, id, name_key, changed, duration_ms FROM entry_text WHERE terms @@ {query}::text::tsquery",
+    .hits = "hit e",
+    .counts_by_index = false,
     .update = " FOR UPDATE",
 };
 

@@ -11,8 +11,9 @@ const Dialect sqlite_dialect = {
     .postgres = false,
     .now = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')",
     .instr = "instr",
-    .join = "CROSS JOIN",
     .match = "SELECT rowid AS no FROM entry_text WHERE entry_text MATCH {query}",
+    .hits = "hit h CROSS JOIN entry e ON e.no = h.no",
+    .counts_by_index = true,
     .update = "",
 };
 
