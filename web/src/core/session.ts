@@ -44,6 +44,8 @@ export class Session {
   /** The speed chosen while nothing plays: the service learns it with `play`. */
   private wanted_speed: number | null = null;
   private pending_edits = 0;
+  /** What the newest edit of the circuit makes of the document: when the service says the same, nothing need be made twice. */
+  private foreseen: { from: number; changes: string; document: ScenarioDocument } | null = null;
   private next_id = 1;
   private preview_timer: ReturnType<typeof setTimeout> | null = null;
   private readonly fetching = new Set<string>();
@@ -100,6 +102,7 @@ export class Session {
     const base = (this.pending_edits > 0 && preview) || document;
     const shown = apply_command(base, command, generated);
     this.set({ preview: shown === base ? preview : shown });
+    this.foreseen = command.type === 'circuit.edit' && base === document ? { from: revision, changes: JSON.stringify(command.changes), document: shown } : null;
     this.pending_edits++;
     try {
       await this.client.request({ op: 'command', command });
@@ -422,7 +425,9 @@ export class Session {
         // the circuit's own changes instead of all of it; who missed one asks for the whole again
         if (event.from === this.state.revision && this.state.document) {
           const command = { type: 'circuit.edit', label: '', changes: event.changes } as const;
-          this.take_document({ ...event, document: apply_command(this.state.document, command, this.state.generated) });
+          const { foreseen } = this;
+          const known = foreseen?.from === event.from && foreseen.changes === JSON.stringify(event.changes);
+          this.take_document({ ...event, document: known ? foreseen.document : apply_command(this.state.document, command, this.state.generated) });
           const { project } = this.state;
           if (project) this.set({ project: { ...project, unsaved: event.unsaved } });
         } else if (event.revision !== this.state.revision) void this.request({ op: 'hello' }).then((hello) => hello && this.connected(hello as unknown as HelloReply));

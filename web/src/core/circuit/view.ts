@@ -7,7 +7,7 @@ import { ends_of, split_end, type Circuit, type Lsi, type Note, type Point, type
 import { grid, note_size, pin_point, probe_size, size_of } from './geometry';
 import { find_circuit, same_types, type Level } from './level';
 import { circuit_pins, class_pins, own_info, same_pins, type PinInfo, type Pins } from './pins';
-import { SpatialIndex } from './spatial';
+import { SpatialIndex, type Box } from './spatial';
 
 export * from './geometry';
 export { enter, find_circuit, flat_pin, type Level } from './level';
@@ -88,6 +88,7 @@ export class View {
   private readonly by_id: Map<string, ViewNode>;
   private readonly by_node: Map<string, readonly ViewWire[]>;
   private readonly templates: Map<string, Template>;
+  private whole: Box | null = null;
 
   constructor(
     readonly level: Level,
@@ -304,7 +305,14 @@ export class View {
   }
 
   /** Box around what is called `ids`; without them around everything. */
-  bounds(ids?: ReadonlySet<string>): { x: number; y: number; width: number; height: number } {
+  bounds(ids?: ReadonlySet<string>): Box {
+    if (!ids && this.whole) return this.whole;
+    const box = this.find_bounds(ids);
+    if (!ids && this.index) this.whole = box; // while it is made, its own pins are missing
+    return box;
+  }
+
+  private find_bounds(ids?: ReadonlySet<string>): Box {
     let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
     const grow = (x: number, y: number, w: number, h: number): void => {
       left = Math.min(left, x);
