@@ -19,9 +19,43 @@ namespace {
 
 constexpr int frames = 7200;
 
-/// The sample's walk, on and on, with a little noise so that no two rounds are the same: 60 s.
+/// The sample's walk with four fingers on each hand: 30 joints.
+MeasuredMotion walk_with_fingers() {
+  const MeasuredMotion plain = samples::make_human_walk();
+  MeasuredMotion m = plain;
+  for (int hand = 0; hand < plain.joint_count(); ++hand) {
+    const std::string name = plain.skeleton.joints[static_cast<std::size_t>(hand)].name;
+    if (!name.ends_with("Hand")) continue;
+    const double side = name.starts_with("Left") ? 1 : -1;
+    double forward = 0.04;
+    for (const char* finger : {"Thumb1", "Index1", "Middle1", "Ring1"}) {
+      SkeletonJoint j;
+      j.name = name + finger;
+      j.parent = hand;
+      j.offset = {forward, (forward > 0.03 ? 0.03 : 0.09) * side, 0};
+      j.end_sites = {{0, 0.07 * side, 0}};
+      j.freedoms = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
+      m.skeleton.joints.push_back(j);
+      forward -= 0.02;
+    }
+  }
+  const auto before = static_cast<std::ptrdiff_t>(plain.skeleton.joints.size());
+  m.translations.clear();
+  m.rotations.clear();
+  for (std::ptrdiff_t f = 0; f < plain.frames; ++f) {
+    m.translations.insert(m.translations.end(), plain.translations.begin() + f * before, plain.translations.begin() + (f + 1) * before);
+    m.rotations.insert(m.rotations.end(), plain.rotations.begin() + f * before, plain.rotations.begin() + (f + 1) * before);
+    for (std::size_t j = plain.skeleton.joints.size(); j < m.skeleton.joints.size(); ++j) {
+      m.translations.push_back(m.skeleton.joints[j].offset);
+      m.rotations.push_back({});
+    }
+  }
+  return m;
+}
+
+/// That walk, on and on, with a little noise so that no two rounds are the same: 60 s.
 MeasuredMotion minute() {
-  const MeasuredMotion walk = samples::make_human_walk();
+  const MeasuredMotion walk = walk_with_fingers();
   MeasuredMotion m = walk;
   m.rate = 120;
   m.frames = frames;
