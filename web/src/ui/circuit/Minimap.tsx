@@ -38,7 +38,7 @@ export function Minimap({ view, viewport, size, go, subscribe }: { view: View; v
   useEffect(() => {
     const element = canvas.current;
     if (!element) return;
-    const colors = read_colors(element);
+    const colors = read_colors(document.documentElement); // the panel itself may not be in the page yet
     const box = view.bounds();
     const scale = Math.min((width - 2 * margin) / Math.max(1, box.width), (height - 2 * margin) / Math.max(1, box.height), 0.2);
     const left = box.x - (width / scale - box.width) / 2;

@@ -23,12 +23,15 @@ export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | n
   const path = useCircuit((s) => s.path);
   const cursor = useCircuit((s) => s.cursor);
   const fitted = useRef(false);
+  /** Something was shown on purpose: a panel that was only made and put away again has nothing to keep. */
+  const looked = useRef(false);
 
   const fit = useCallback((ids?: ReadonlySet<string>) => {
     const { view } = circuit;
     const { width, height } = surface.size();
     if (!view || width < 60 || height < 60) return;
     fitted.current = !ids || ids.size === 0;
+    looked.current = true;
     const box = view.bounds(ids && ids.size > 0 ? ids : undefined);
     const zoom = Math.min(1.15, Math.max(0.015, Math.min((width - 70) / Math.max(1, box.width), (height - bar_height - 30) / Math.max(1, box.height))));
     void surface.flow.setViewport({ x: width / 2 - zoom * (box.x + box.width / 2), y: bar_height + (height - bar_height - 12) / 2 - zoom * (box.y + box.height / 2), zoom });
@@ -42,10 +45,12 @@ export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | n
     shown_path.current = key;
     if (first && kept.path === key && kept.at) {
       fitted.current = kept.fitted;
+      looked.current = true;
       void surface.flow.setViewport(kept.at);
     } else requestAnimationFrame(() => fit());
   }, [path, fit, surface]);
   useEffect(() => () => {
+    if (!looked.current) return;
     kept.path = circuit.state.path.join('/');
     kept.at = surface.viewport();
     kept.fitted = fitted.current;
@@ -69,6 +74,9 @@ export function useFraming(surface: Surface, panel: RefObject<HTMLDivElement | n
     void surface.flow.setCenter(node.x + node.width / 2, node.y + node.height / 2, { zoom: Math.max(surface.viewport().zoom, 0.5) });
   }, [cursor, surface, pressing]);
 
-  const let_go = useCallback(() => void (fitted.current = false), []);
+  const let_go = useCallback(() => {
+    fitted.current = false;
+    looked.current = true;
+  }, []);
   return { fit, let_go };
 }
