@@ -20,7 +20,8 @@ export function ScenarioPanel(): ReactElement {
   const [width, set_width] = useState(800);
   const [ghost, set_ghost] = useState<DropGhost | null>(null);
   const [guide, set_guide] = useState<number | null>(null);
-  const fitted = useRef(false);
+  /** All of it is shown, as long as nobody zooms or pans. */
+  const whole = useRef(true);
   const duration = doc?.duration ?? 10;
 
   useLayoutEffect(() => {
@@ -35,17 +36,20 @@ export function ScenarioPanel(): ReactElement {
   const fit = useCallback(() => {
     const element = lanes.current;
     const now = shown_document(session.state);
+    whole.current = true;
     if (element && now) set_view(fit_view(now.duration, element.clientWidth));
+  }, []);
+  const look = useCallback((change: (v: TimeView) => TimeView) => {
+    whole.current = false;
+    set_view(change);
   }, []);
   useEffect(() => {
     parts.fit_timeline = fit;
   }, [fit]);
+  const open = doc !== null;
   useEffect(() => {
-    if (doc && !fitted.current && width > 120) {
-      fitted.current = true;
-      fit();
-    }
-  }, [doc, width, fit]);
+    if (open && whole.current && width > 120) fit();
+  }, [open, width, fit]);
 
   // the browser's own wheel must not scroll the page, so the listener cannot be passive
   useEffect(() => {
@@ -56,12 +60,12 @@ export function ScenarioPanel(): ReactElement {
       if (!box || event.clientX < box.left) return;
       event.preventDefault();
       const amount = event.deltaY || event.deltaX;
-      if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) set_view((v) => pan_by(v, event.deltaX || amount));
-      else set_view((v) => zoom_at(v, event.clientX - box.left, Math.exp(-Math.max(-150, Math.min(150, amount)) * 0.0022)));
+      if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) look((v) => pan_by(v, event.deltaX || amount));
+      else look((v) => zoom_at(v, event.clientX - box.left, Math.exp(-Math.max(-150, Math.min(150, amount)) * 0.0022)));
     };
     element.addEventListener('wheel', wheel, { passive: false });
     return () => element.removeEventListener('wheel', wheel);
-  }, [doc !== null]);
+  }, [open, look]);
 
   const time_at = (client_x: number): number => {
     const box = lanes.current?.getBoundingClientRect();
@@ -74,7 +78,7 @@ export function ScenarioPanel(): ReactElement {
     const target = event.currentTarget;
     let last = event.clientX;
     const move = (e: PointerEvent): void => {
-      set_view((v) => pan_by(v, last - e.clientX));
+      look((v) => pan_by(v, last - e.clientX));
       last = e.clientX;
     };
     const up = (): void => {
@@ -170,7 +174,7 @@ export function ScenarioPanel(): ReactElement {
       <div className="overlay" aria-hidden="true">
         <div className="beyond" style={{ left: Math.max(0, time_to_x(view, duration)) }} />
         {guide !== null && <div className="guide" style={{ left: time_to_x(view, guide) }} />}
-        <Playhead view={view_ref} set_view={set_view} width={width} />
+        <Playhead view={view_ref} set_view={look} width={width} />
       </div>
     </div>
   );

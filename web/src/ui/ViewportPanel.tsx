@@ -137,6 +137,8 @@ function ViewOptionsBar(): ReactElement {
 }
 
 const most_labels = 12;
+/** px */
+const label_room = { width: 64, height: 22 };
 
 /** The distances of nearest points in mm (m when far), written at the middle of their lines without React. */
 function Distances({ viewport }: { viewport: Viewport }): ReactElement | null {
@@ -148,12 +150,16 @@ function Distances({ viewport }: { viewport: Viewport }): ReactElement | null {
       const labels = host.current?.children;
       if (!labels) return;
       const box = viewport.canvas.getBoundingClientRect();
+      const taken: { x: number; y: number }[] = [];
       for (let i = 0; i < labels.length; i++) {
         const label = labels[i] as HTMLElement;
         const pair = viewport.nearest_pairs[i];
         const at = pair && viewport.to_client(pair.middle);
-        label.style.visibility = at ? 'visible' : 'hidden';
-        if (!pair || !at) continue;
+        // the nearest come first; a label that would cover one of them waits until there is room
+        const free = at && !taken.some((t) => Math.abs(t.x - at.x) < label_room.width && Math.abs(t.y - at.y) < label_room.height);
+        label.style.visibility = free ? 'visible' : 'hidden';
+        if (!pair || !at || !free) continue;
+        taken.push(at);
         label.textContent = format_gap(pair.distance);
         label.dataset.overlap = String(pair.distance < 0);
         label.style.transform = `translate(${at.x - box.left}px, ${at.y - box.top}px) translate(-50%, -50%)`;
@@ -183,11 +189,22 @@ function Badges({ viewport }: { viewport: Viewport }): ReactElement {
   useEffect(() => {
     const place = (): void => {
       const box = viewport.canvas.getBoundingClientRect();
+      const placed: { x: number; y: number; width: number }[] = [];
       for (const [id, element] of elements.current) {
         const head = viewport.head(id);
         const at = head && viewport.to_client(head);
         element.style.visibility = at ? 'visible' : 'hidden';
-        if (at) element.style.transform = `translate(${at.x - box.left}px, ${at.y - box.top}px) translate(-50%, -100%)`;
+        if (!at) continue;
+        const { offsetWidth: width, offsetHeight: height } = element;
+        let y = at.y;
+        // figures that lie close together: one badge above the other
+        for (let hit = true; hit; ) {
+          const under = placed.find((p) => Math.abs(p.x - at.x) < (p.width + width) / 2 + 4 && Math.abs(p.y - y) < height + 2);
+          hit = under !== undefined;
+          if (under) y = under.y - height - 2;
+        }
+        placed.push({ x: at.x, y, width });
+        element.style.transform = `translate(${at.x - box.left}px, ${y - box.top}px) translate(-50%, -100%)`;
       }
     };
     place();

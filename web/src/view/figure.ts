@@ -31,7 +31,8 @@ function shape_geometry(shape: ShapeData, surfaces: Surfaces): THREE.BufferGeome
     geometry = surface_geometry(surfaces, shape.surface);
   } else {
     const [x, y, z] = shape.half_extents ?? [0.05, 0.05, 0.05];
-    geometry = new RoundedBoxGeometry(2 * x, 2 * y, 2 * z, 4, 0.42 * Math.min(x, y, z));
+    // soft as a body's part, yet a crate stays a crate: what is drawn is what collides
+    geometry = new RoundedBoxGeometry(2 * x, 2 * y, 2 * z, 4, Math.min(0.02, 0.42 * Math.min(x, y, z)));
   }
   const [x = 0, y = 0, z = 0, qw = 1, qx = 0, qy = 0, qz = 0] = shape.pose;
   geometry.applyMatrix4(new THREE.Matrix4().compose(new THREE.Vector3(x, y, z), new THREE.Quaternion(qx, qy, qz, qw), unit_scale));

@@ -213,10 +213,12 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
       </div>
       {can.unit && (
         <div className="field">
-          <label htmlFor={`unit-${item.id}`}>Unit of length</label>
+          <label htmlFor={`unit-${item.id}`}>
+            Unit of length{settings.unit_guessed && <span className="guessed">guessed</span>}
+          </label>
           <select id={`unit-${item.id}`} value={named ? String(named[0]) : 'other'} onChange={(e) => e.target.value !== 'other' && correct({ unit: Number(e.target.value) })}>
             {units.map(([metres, name]) => (
-              <option key={name} value={String(metres)}>{settings.unit_guessed && named?.[1] === name ? `${name} (guessed)` : name}</option>
+              <option key={name} value={String(metres)}>{name}</option>
             ))}
             {!named && <option value="other">{`${format_number(1000 * settings.unit, 4)} mm`}</option>}
           </select>
