@@ -158,7 +158,9 @@ int run_import(const Options& options) {
 void add_import_verb(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* verb = app.add_subcommand("import", "Read measured files, make bodies of them, and put both into the library.");
-  verb->add_option("files", options->files, "BVH, AMC (with their ASF), mechanism JSON, URDF, SDF or MJCF files")->required();
+  verb->add_option("files", options->files,
+                   "BVH, AMC (with their ASF), C3D, TRC, CSV, glTF, FBX, COLLADA, mechanism JSON, URDF, SDF or MJCF files")
+      ->required();
   verb->add_option("--name", options->source.intake.name, "Name of the entries (one file only; otherwise the file's name)");
   verb->add_option("--tags", options->source.intake.tags, "Tags of the entries, separated by commas")->delimiter(',');
   verb->add_option("--height", options->source.intake.height, "Height of the person in m (otherwise estimated)")

@@ -207,7 +207,7 @@ void print_text(const Json& json, const std::string& indent) {
       std::string text;
       for (const Json& item : value)
         text += (text.empty() ? "" : "\n" + indent + std::string(18, ' ')) + (item.is_string() ? item.get<std::string>() : item.dump());
-      print_line(indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ') + text);
+      print_line(indent + key + std::string(key.size() < 18 ? 18 - key.size() : 1, ' ') + (value.empty() ? "none" : text));
     } else {
       const std::string text = value.is_string()         ? value.get<std::string>()
                                : value.is_number_float() ? to_text(value.get<double>())

@@ -90,6 +90,39 @@ TEST(Correction, UnitAndRateAsTold) {
   EXPECT_NE(taken->conversion.check.front().find("unit of length"), std::string::npos);
 }
 
+// "Reference" nodes of many recordings: the hips move against a root that carries nothing else.
+TEST(Correction, TheJointThatMovesIsTheRoot) {
+  const MeasuredMotion walk = samples::make_human_walk();
+  MeasuredMotion borne = walk;
+  SkeletonJoint bearer;
+  bearer.name = "reference";
+  bearer.translates = true;
+  bearer.freedoms = {{{0, 0, 1}}, {{1, 0, 0}}, {{0, 1, 0}}};
+  borne.skeleton.joints.insert(borne.skeleton.joints.begin(), bearer);
+  for (std::size_t i = 1; i < borne.skeleton.joints.size(); ++i) ++borne.skeleton.joints[i].parent;
+  borne.skeleton.joints[1].translates = true;
+  const std::size_t n = walk.skeleton.joints.size();
+  for (std::size_t f = static_cast<std::size_t>(walk.frames); f-- > 0;) {
+    const double turn = 0.5 + 0.01 * static_cast<double>(f);
+    const Pose X{rotation_about({0, 0, 1}, turn), {1, 0.2 * turn, 0.1}};
+    Vec3& p = borne.translations[f * n];
+    Quat& q = borne.rotations[f * n];
+    p = transpose_times(X.R, p - X.p);
+    q = axis_angle({0, 0, 1}, -turn) * q;
+    borne.translations.insert(borne.translations.begin() + static_cast<std::ptrdiff_t>(f * n), X.p);
+    borne.rotations.insert(borne.rotations.begin() + static_cast<std::ptrdiff_t>(f * n), axis_angle({0, 0, 1}, turn));
+  }
+  IntakeOptions options;
+  options.unit = 0.01;
+  const auto taken = take_in(formats::write_bvh(borne, {.metres_per_unit = 0.01}), "walk.bvh", nullptr, options);
+  ASSERT_TRUE(taken) << taken.error().text();
+  EXPECT_EQ(taken->mechanism->links().front().joint.type, JointType::floating);
+  EXPECT_EQ(taken->measured->skeleton.joints.front().name, walk.skeleton.joints.front().name);
+  EXPECT_LT(greatest_distance(*taken->measured, walk), 1e-6);
+  EXPECT_TRUE(std::any_of(taken->report.begin(), taken->report.end(),
+                          [](const std::string& line) { return line.find("Joint reference only carries") != std::string::npos; }));
+}
+
 TEST(Correction, UpAndForwardMustDiffer) {
   IntakeOptions options;
   options.axes = Orientation{{1, false}, {1, true}};

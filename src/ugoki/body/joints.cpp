@@ -12,6 +12,7 @@ constexpr double degree = pi / 180;
 constexpr double unmoved = 0.01 * degree;    // below this a joint counts as not moved
 constexpr double position_tolerance = 2e-7;  // m; what one joint may add to the error of the positions that hang on it
 constexpr double hinge_tolerance = 8e-7;     // m; the same for a hinge and its children only
+constexpr double reported_shift = 5e-5;      // m; less is rounding of the file
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -122,8 +123,9 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool
   joint.X_PJ.p = translation(m, 0, i);
   if (shift > position_tolerance) {
     joint.X_PJ.p += mean / m.frames;
-    report.push_back("Joint " + source.name + " is measured to shift by up to " + to_fixed(1000 * shift, 1) +
-                     " mm against its parent; the body holds it at the mean place, so positions below it differ by up to as much.");
+    if (shift > reported_shift)
+      report.push_back("Joint " + source.name + " is measured to shift by up to " + to_fixed(1000 * shift, 1) +
+                       " mm against its parent; the body holds it at the mean place, so positions below it differ by up to as much.");
   }
   // How it turns.
   const double reach = reach_of(m.skeleton, i);

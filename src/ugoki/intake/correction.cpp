@@ -1,5 +1,7 @@
 #include "ugoki/intake/correction.h"
 
+#include <algorithm>
+
 namespace ugoki::intake {
 namespace {
 
@@ -9,7 +11,61 @@ Vec3 unit_of(const FileAxis& axis) {
   return e;
 }
 
+constexpr double shift_tolerance = 1e-4;  // m: less is rounding of the file
+
+/// The only root stands at the head of a chain without branches, along which some joint shifts against the one before.
+bool bears_the_mover(std::span<const MeasuredMotion> motions) {
+  const std::vector<SkeletonJoint>& joints = motions[0].skeleton.joints;
+  const auto children_of = [&](int i) { return std::count_if(joints.begin(), joints.end(), [i](const auto& j) { return j.parent == i; }); };
+  if (joints.empty() || children_of(-1) != 1) return false;
+  const auto shifts = [&](std::size_t i) {
+    return std::any_of(motions.begin(), motions.end(), [&](const MeasuredMotion& m) {
+      for (int f = 1; f < m.frames; ++f)
+        if (norm(m.translations[static_cast<std::size_t>(f) * joints.size() + i] - m.translations[i]) > shift_tolerance) return true;
+      return false;
+    });
+  };
+  for (std::size_t i = 1; i < joints.size(); ++i) {
+    const int before = static_cast<int>(i) - 1;
+    if (joints[i].parent != before || children_of(before) != 1 || !joints[i - 1].end_sites.empty()) return false;
+    if (shifts(i)) return true;
+  }
+  return false;
+}
+
+void leave_out_first(MeasuredMotion& m) {
+  std::vector<SkeletonJoint>& joints = m.skeleton.joints;
+  const std::size_t n = joints.size();
+  joints[1].offset += joints[0].offset;  // at rest all frames are parallel
+  joints.erase(joints.begin());
+  for (SkeletonJoint& j : joints) j.parent -= 1;
+  std::vector<Vec3> translations;
+  std::vector<Quat> rotations;
+  translations.reserve(m.translations.size());
+  rotations.reserve(m.rotations.size());
+  for (std::size_t first = 0; first < m.rotations.size(); first += n) {
+    const Quat& q = m.rotations[first];
+    translations.push_back(m.translations[first] + rotate(q, m.translations[first + 1]));
+    rotations.push_back(normalized(q * m.rotations[first + 1]));
+    for (std::size_t i = first + 2; i < first + n; ++i) {
+      translations.push_back(m.translations[i]);
+      rotations.push_back(m.rotations[i]);
+    }
+  }
+  m.translations = std::move(translations);
+  m.rotations = std::move(rotations);
+}
+
 }  // namespace
+
+std::vector<std::string> leave_out_bearers(std::span<MeasuredMotion> motions) {
+  std::vector<std::string> names;
+  while (bears_the_mover(motions)) {
+    names.push_back(motions[0].skeleton.joints[0].name);
+    for (MeasuredMotion& m : motions) leave_out_first(m);
+  }
+  return names;
+}
 
 std::optional<FileAxis> file_axis_named(std::string_view name) {
   const bool negative = name.starts_with('-');

@@ -2,8 +2,10 @@
 // How a file's space and time are taken where its reader guessed wrong: axes, unit of length, frames a second.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "ugoki/motion/markers.h"
 #include "ugoki/motion/skeleton.h"
@@ -36,6 +38,11 @@ void turn(MeasuredMotion& motion, const Mat3& R);
 void turn(MarkerMotion& motion, const Mat3& R);
 /// Lengths times `factor`.
 void scale(MeasuredMotion& motion, double factor);
+/// Leaves out what only carries the joint that moves ("reference", "armature"): where the only root heads a chain without branches and a
+/// joint along it is measured to shift against the one before, that joint becomes the root. World poses of all others stay.
+/// @param motions on the same skeleton
+/// @return names of what was left out
+std::vector<std::string> leave_out_bearers(std::span<MeasuredMotion> motions);
 /// The same frames at another rate; samples and marked events keep to their frames.
 void set_rate(MarkerMotion& motion, double rate);
 

@@ -119,6 +119,9 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   const std::string name = motions.size() == 1 ? motions[0].name : options.name.empty() ? stem_of(file_name) : options.name;
   out.metres_per_unit = notes.metres_per_unit > 0 ? notes.metres_per_unit : motions[0].skeleton.unit;
   correct(motions, notes, options, out);
+  for (const std::string& joint : leave_out_bearers(motions))
+    notes.remarks.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name +
+                            ", which moves against it; it is left out, and its movement is that joint's.");
   describe(out.conversion, motions);
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
