@@ -22,5 +22,5 @@ export default defineConfig({
       '/ws': { target: service, ws: true, changeOrigin: true },
     },
   },
-  test: { environment: 'node', include: ['test/**/*.test.ts'] },
+  test: { environment: 'node', include: ['test/**/*.test.{ts,mjs}'] },
 });

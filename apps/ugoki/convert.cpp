@@ -172,6 +172,39 @@ Result<Written> write(const Content& c, const Options& o) {
   return out;
 }
 
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code none;
+  return fs::equivalent(a, b, none);
+}
+
+/// Other motions of the folder that are read with this skeleton.
+std::vector<std::string> motions_of(const std::string& skeleton, const std::string& but) {
+  std::vector<std::string> out;
+  const fs::path folder = fs::path(skeleton).has_parent_path() ? fs::path(skeleton).parent_path() : fs::path(".");
+  std::error_code none;
+  for (const auto& e : fs::directory_iterator(folder, none))
+    if (ending_of(e.path().string()) == ".amc" && same_file(skeleton, intake::skeleton_name_for(e.path().string())) &&
+        !same_file(e.path().string(), but))
+      out.push_back(e.path().filename().string());
+  std::ranges::sort(out);
+  return out;
+}
+
+/// Neither what is read nor a skeleton that other motions need is written over.
+Result<void> check_outputs(const Options& o, const Written& written) {
+  if (same_file(o.input, o.output))
+    return fail(ErrorCode::conflict, o.output, "It is the file that is read.", "Name another file for the output.");
+  for (const auto& [path, text] : written.beside) {
+    const Result<std::string> there = files::read_file(path);
+    if (!there || *there == text) continue;
+    const std::vector<std::string> others = motions_of(path, o.output);
+    if (!others.empty())
+      return fail(ErrorCode::conflict, path, "Another skeleton would take its place, and " + others.front() + " needs it.",
+                  "Give the output another name or folder.");
+  }
+  return {};
+}
+
 int run_convert(const Options& o) {
   static constexpr const char* motions[] = {".bvh", ".amc", ".glb", ".csv", ".c3d", ".trc"};
   static constexpr const char* mechanisms[] = {".json", ".urdf", ".xml", ".mjcf"};
@@ -187,12 +220,14 @@ int run_convert(const Options& o) {
   if (mechanism) {
     if (!content->mechanism)
       return print_error(Error(ErrorCode::structure, o.input, "It holds no mechanism.", "Choose another format."), o.json);
+    if (const Result<void> may = check_outputs(o, {}); !may) return print_error(may.error(), o.json);
     const Result<std::vector<std::string>> notes = write_mechanism_file(*content->mechanism, o.output);
     if (!notes) return print_error(notes.error(), o.json);
     report.insert(report.end(), notes->begin(), notes->end());
   } else {
     const Result<Written> written = write(*content, o);
     if (!written) return print_error(written.error(), o.json);
+    if (const Result<void> may = check_outputs(o, *written); !may) return print_error(may.error(), o.json);
     for (const auto& [path, text] : written->beside) {
       if (Result<void> done = files::write_file(path, text); !done) return print_error(done.error(), o.json);
       beside.push_back(path);

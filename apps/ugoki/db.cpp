@@ -207,6 +207,7 @@ int save(const Options& o) {
   next.data.emplace(p, p + text->size());
   if (!o.note.empty()) next.note = o.note;
   return change_entries(o, {o.entry}, false, [&](Library& l, const LibraryEntry& e) {
+    if (Result<void> good = check_data(e.kind, *text, o.file); !good) return good;
     next.id = e.id;
     next.base = base_of(o, e);
     return saved(l.save(next));

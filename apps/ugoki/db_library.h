@@ -35,6 +35,9 @@ void declare_author(CLI::App& verb, Options& options);
 /// export, export-set, import-set, copy, check, gc and what else handles many entries or files.
 void add_set_verbs(const Verbs& verbs);
 
+/// Whether an entry of this kind can have these bytes. @param place of the problem: the file
+[[nodiscard]] Result<void> check_data(store::EntryKind kind, const std::string& bytes, const std::string& place);
+
 enum class Access { read, write };
 /// Opens the library and hands it to `work`; a problem is printed.
 [[nodiscard]] int with_library(const Options& options, Access access, const std::function<Result<void>(store::Library&)>& work);

@@ -4,8 +4,10 @@
 
 #include "db_library.h"
 #include "sources.h"
+#include "ugoki/circuit/circuit.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/bvh.h"
+#include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
 #include "ugoki/store/copy.h"
 
@@ -141,8 +143,8 @@ int put_entry(const Options& options, store::LibraryItem item) {
 int add(const Options& options) {
   const Result<std::string> text = files::read_file(options.file);
   if (!text) return print_error(text.error(), options.json);
-  const Result<Json> parsed = json::parse_json(*text, options.file);
-  if (!parsed) return print_error(parsed.error(), options.json);
+  if (const Result<void> good = check_data(store::EntryKind::circuit, *text, options.file); !good)
+    return print_error(good.error(), options.json);
   store::LibraryItem item;
   item.kind = store::EntryKind::circuit;
   const std::string file = options.file.substr(options.file.find_last_of('/') + 1);
@@ -242,6 +244,21 @@ void declare_choice(CLI::App& verb, Options& o) {
 }
 
 }  // namespace
+
+Result<void> check_data(store::EntryKind kind, const std::string& bytes, const std::string& place) {
+  const auto told = [](const auto& read) -> Result<void> {
+    if (!read) return fail(read.error());
+    return {};
+  };
+  switch (kind) {
+    case store::EntryKind::mechanism: return told(formats::read_mechanism(bytes, place));
+    case store::EntryKind::motion: return told(formats::read_motion(std::as_bytes(std::span(bytes)), place));
+    case store::EntryKind::measured: return told(formats::read_measured_motion(std::as_bytes(std::span(bytes)), place));
+    case store::EntryKind::circuit: return told(circuit::read_circuit(bytes, place));
+    case store::EntryKind::set: return told(json::parse_json(bytes, place));
+  }
+  return {};
+}
 
 void add_set_verbs(const Verbs& verbs) {
   verbs.add(

@@ -46,7 +46,7 @@ Result<MechanismPtr> load_mechanism(const std::string& target, const SourceOptio
   }
   if (*kind != TargetKind::entry)
     return fail(ErrorCode::unsupported, target, "This is no mechanism.", "Give a mechanism's file or an entry of the library.");
-  const Result<store::Library> library = store::Library::open_read_only(library_path(options.library));
+  const Result<store::Library> library = library_of(target, options);
   if (!library) return fail(library.error());
   const Result<store::LibraryEntry> entry = library->resolve(target, "mechanism");
   if (!entry) return fail(entry.error());
@@ -117,6 +117,9 @@ int run_combine(const CombineChoice& c) {
                              b = load_mechanism(c.common.inputs[1], c.common.source);
   if (!a) return print_error(a.error(), c.common.json);
   if (!b) return print_error(b.error(), c.common.json);
+  if (norm(Vec3{c.axis[0], c.axis[1], c.axis[2]}) < 1e-9)
+    return print_error(Error(ErrorCode::range, "--axis", "The axis has no direction.", "Give three numbers that are not all zero."),
+                       c.common.json);
   CombineOptions options = c.options;
   if (options.link_b.empty()) options.link_b = (*b)->link(0).name;
   options.X_AB = pose_of(c.position, c.rotation);

@@ -39,7 +39,7 @@ Result<MechanismPtr> load_target(const Options& o) {
     return taken->mechanism;
   }
   if (*kind == TargetKind::entry) {
-    const Result<store::Library> library = store::Library::open_read_only(library_path(o.source.library));
+    const Result<store::Library> library = library_of(o.to, o.source);
     if (!library) return fail(library.error());
     if (const Result<store::LibraryEntry> entry = library->resolve(o.to, "mechanism")) {
       const Result<std::vector<std::byte>> data = library->data(entry->id);

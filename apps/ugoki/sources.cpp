@@ -23,17 +23,13 @@ Result<ClipSource> clip_of(intake::Intake taken) {
 }
 
 Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions& options) {
-  const std::string path = library_path(options.library);
-  if (!store::Library::exists(path))
-    return fail(ErrorCode::unknown, target, "There is no such file, and no library (" + path + ") in which it could be an entry.",
-                "Check the name, or import something first.");
-  const Result<store::Library> library = store::Library::open_read_only(path);
+  const Result<store::Library> library = library_of(target, options);
   if (!library) return fail(library.error());
   Result<store::LibraryEntry> entry = library->resolve(target, "motion");
   if (!entry) {
     Result<store::LibraryEntry> measured = library->resolve(target);
     if (!measured)
-      return fail(ErrorCode::unknown, target, "There is no such file, and the library (" + path + ") has no such motion.",
+      return fail(ErrorCode::unknown, target, "There is no such file, and the library (" + library->path() + ") has no such motion.",
                   "List its motions with `ugoki db list --kind motion`.");
     entry = std::move(measured);
   }
@@ -72,6 +68,14 @@ Result<ClipSource> clip_of_entry(const std::string& target, const SourceOptions&
 }  // namespace
 
 std::string library_path(const std::string& option) { return option.empty() ? store::Library::default_path() : option; }
+
+Result<store::Library> library_of(const std::string& target, const SourceOptions& options) {
+  const std::string path = library_path(options.library);
+  if (!store::Library::exists(path))
+    return fail(ErrorCode::unknown, target, "There is no such file, and no library (" + path + ") in which it could be an entry.",
+                "Check the name, or import something first.");
+  return store::Library::open_read_only(path);
+}
 
 Result<TargetKind> kind_of(const std::string& target) {
   std::error_code ignored;

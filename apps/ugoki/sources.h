@@ -27,6 +27,9 @@ struct SourceOptions {
 /// Path of the library that the options mean.
 [[nodiscard]] std::string library_path(const std::string& option);
 
+/// The library in which `target`, which is no file, may be an entry. Errors: there is none yet.
+[[nodiscard]] Result<store::Library> library_of(const std::string& target, const SourceOptions& options);
+
 /// A file by its first bytes or the ending of its name; what is no file is taken for an entry's name or id.
 [[nodiscard]] Result<TargetKind> kind_of(const std::string& target);
 

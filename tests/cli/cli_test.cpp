@@ -1,4 +1,3 @@
-#include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -6,9 +5,8 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "program.h"
+#include "cli_fixture.h"
 #include "ugoki/formats/bvh.h"
 #include "ugoki/samples/samples.h"
 
@@ -16,53 +14,6 @@ namespace ugoki::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
-class CliTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "ugoki-cli-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    library_ = folder_ + "/library.db";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  Output ugoki(std::vector<std::string> arguments) const { return run_program(arguments, environment()); }
-  /// Expects success and JSON on stdout, nothing on stderr.
-  Json json(std::vector<std::string> arguments) const {
-    arguments.emplace_back("--json");
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 0) << o.err;
-    EXPECT_EQ(o.err, "") << "no progress bar in a pipe";
-    Json j = Json::parse(o.out, nullptr, false);
-    EXPECT_FALSE(j.is_discarded()) << o.out;
-    return j;
-  }
-  /// Expects status 1 and an error with place and remedy on stderr.
-  void fails(const std::vector<std::string>& arguments, const std::string& place) const {
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 1) << o.out;
-    EXPECT_TRUE(o.err.starts_with("ugoki: ")) << o.err;
-    EXPECT_NE(o.err.find(place), std::string::npos) << o.err;
-    EXPECT_GE(std::count(o.err.begin(), o.err.end(), '.'), 2) << "a sentence and a remedy: " << o.err;
-  }
-  std::vector<std::string> environment() const { return {"UGOKI_LIBRARY=" + library_}; }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
-    return folder_ + "/" + name;
-  }
-  static std::string read(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  /// The sample human's walk as a measured file.
-  std::string walk(const std::string& name = "walk.bvh") const { return write(name, formats::write_bvh(samples::make_human_walk())); }
-  std::size_t entries() const { return json({"db", "list"})["entries"].size(); }
-
-  std::string folder_, library_;
-};
-
 TEST_F(CliTest, BadUsageIsStatusTwo) {
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{{},
                                                                                          {"fly"},
@@ -79,10 +30,7 @@ TEST_F(CliTest, BadUsageIsStatusTwo) {
                                                                                          {"new"},
                                                                                          {"info"},
                                                                                          {"judge", "a.bvh", "b.bvh"}}) {
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 2) << (arguments.empty() ? "" : arguments[0]) << o.out;
-    EXPECT_FALSE(o.err.empty());
-    EXPECT_TRUE(o.out.empty()) << o.out;
+    misunderstands(arguments);
   }
 }
 

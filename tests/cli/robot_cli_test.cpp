@@ -1,45 +1,13 @@
 // Descriptions of mechanisms through `ugoki info` and `ugoki import`.
-#include <gtest/gtest.h>
-
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-
-#include "program.h"
+#include "cli_fixture.h"
 
 namespace ugoki::cli {
 namespace {
 
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
 constexpr const char* a_mass = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial>";
 
-class RobotCliTest : public ::testing::Test {
+class RobotCliTest : public CliTest {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "ugoki-robot-cli-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& text) const {
-    fs::create_directories(fs::path(folder_ + "/" + name).parent_path());
-    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
-    return folder_ + "/" + name;
-  }
-  Output ugoki(const std::vector<std::string>& arguments) const {
-    return run_program(arguments, {"UGOKI_LIBRARY=" + folder_ + "/library.db"});
-  }
-  Json json(std::vector<std::string> arguments) const {
-    arguments.emplace_back("--json");
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 0) << o.err;
-    Json j = Json::parse(o.out, nullptr, false);
-    EXPECT_FALSE(j.is_discarded()) << o.out;
-    return j;
-  }
   /// Bars of 1 m in the x-y plane, hinged about z: base - a - b, and base - c; `end` hangs on b.
   std::string four_bar(const std::string& name, double length_of_b) const {
     const auto link = [](const char* of) { return "<link name='" + std::string(of) + "'>" + a_mass + "</link>"; };
@@ -54,8 +22,6 @@ class RobotCliTest : public ::testing::Test {
                            " 0 0'/></joint><link name='tip'/><joint name='to_tip' type='fixed'><parent link='c'/><child link='tip'/>"
                            "<origin xyz='0 1 0'/></joint></robot>");
   }
-
-  std::string folder_;
 };
 
 TEST_F(RobotCliTest, InfoTellsWhatTheLoopsLeaveFree) {

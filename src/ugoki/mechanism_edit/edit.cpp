@@ -219,7 +219,8 @@ Result<Edited> edit(const Mechanism& m, std::span<const Assignment> assignments)
       continue;
     }
     if (std::string wrong = Editor(spec, link, a, out).run(); !wrong.empty())
-      errors.add(ErrorCode::unknown, "link " + a.link + ", " + a.field, wrong, "See the table of fields in docs/mechanisms.md.");
+      errors.add(ErrorCode::unknown, "link " + a.link + ", " + a.field + "=" + a.value, wrong,
+                 "See the table of fields in docs/mechanisms.md.");
   }
   if (!errors.empty()) return fail(std::move(errors));
   Result<MechanismPtr> made = Mechanism::make(std::move(spec));

@@ -492,10 +492,26 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
   return best;
 }
 
+/// Names of the mapping that neither mechanism has; those of the figures are looked up with them.
+Error unknown_names(const Mapping& mapping, const Mechanism& from, const Mechanism& to) {
+  Error out;
+  const auto look = [&](const Mechanism& m, const std::string& name, const char* where) {
+    if (m.find_link(name) < 0) out.add(ErrorCode::unknown, where, "'" + m.name() + "' has no link '" + name + "'.", "Correct the mapping.");
+  };
+  for (const auto& [source, target] : mapping.links) {
+    look(from, source, "mapping/links");
+    look(to, target, "mapping/links");
+  }
+  for (const SoleSpec& sole : mapping.soles) look(to, sole.link, "mapping/soles");
+  for (const auto& [link, speed] : mapping.link_speeds) look(to, link, "mapping/speeds");
+  return out;
+}
+
 }  // namespace
 
 Result<Retargeted> retarget(MechanismPtr from, const Motion& motion, MechanismPtr to, const RetargetOptions& options) {
   if (Error wrong = check_motion(motion, *from); !wrong.empty()) return fail(std::move(wrong));
+  if (Error wrong = unknown_names(options.mapping, *from, *to); !wrong.empty()) return fail(std::move(wrong));
   Result<Rig> source = make_rig(from, options.mapping.source);
   if (!source) return fail(std::move(source.error()));
   Result<Rig> target = make_rig(to, options.mapping.target, options.mapping.soles);

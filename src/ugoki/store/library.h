@@ -176,7 +176,8 @@ class Library {
   /// Into the trash, where it keeps everything but is not found.
   [[nodiscard]] Result<void> remove(std::string_view id);
   [[nodiscard]] Result<void> undelete(std::string_view id);
-  /// Takes out of the trash for ever what was removed before `before` (UTC; empty: everything). @return how many
+  /// Takes out of the trash for ever what was removed before `before` (UTC, YYYY-MM-DD or YYYY-MM-DDThh:mm...; empty: everything).
+  /// @return how many. Errors: what is no day or time, before anything is removed
   [[nodiscard]] Result<std::size_t> empty_trash(std::string_view before = {});
   /// Removes data that no version and no thumbnail uses. @return how many bytes
   [[nodiscard]] Result<std::uint64_t> collect_garbage();

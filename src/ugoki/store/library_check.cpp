@@ -92,7 +92,25 @@ Result<void> repair_words(const LibraryBody& body) {
 
 }  // namespace
 
+namespace {
+
+/// The beginning of a time as entries have it: at least the day, perhaps more of it.
+bool is_day_or_time(std::string_view text) {
+  constexpr std::string_view pattern = "dddd-dd-ddTdd:dd:dd.ddd";
+  if (text.ends_with('Z')) text.remove_suffix(1);
+  if (text.size() < 10 || text.size() > pattern.size()) return false;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (pattern[i] == 'd' ? text[i] < '0' || text[i] > '9' : text[i] != pattern[i]) return false;
+  const int month = 10 * (text[5] - '0') + text[6] - '0', day = 10 * (text[8] - '0') + text[9] - '0';
+  return month >= 1 && month <= 12 && day >= 1 && day <= 31;
+}
+
+}  // namespace
+
 Result<std::size_t> Library::empty_trash(std::string_view before) {
+  if (!before.empty() && !is_day_or_time(before))
+    return fail(ErrorCode::syntax, std::string(before), "This is no day or time, so nothing was removed.",
+                "Write it as 2026-01-31 or 2026-01-31T18:00 (UTC).");
   return body_->in_transaction([&]() -> Result<std::size_t> {
     const std::string until = before.empty() ? "9999" : std::string(before);
     const Result<Rows> gone =
