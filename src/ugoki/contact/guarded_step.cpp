@@ -20,7 +20,6 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
     const auto links = static_cast<std::size_t>(m->link_count());
     q_.emplace_back(static_cast<std::size_t>(m->nq()));
     v_.emplace_back(static_cast<std::size_t>(m->nv()));
-    begin_.emplace_back(links);
     end_.emplace_back(links);
     size_.resize(size_.size() + links);
   }
@@ -40,16 +39,17 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
 void GuardedStep::move(std::span<const StepSystem> systems) {
   const double* size = size_.data();
   for (std::size_t s = 0; s < systems.size(); ++s) {
+    const std::span<const Pose> begin = stepper_->workspace(static_cast<int>(s)).X_WB;
     calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
     double way = 0;
     for (std::size_t i = 0; i < end_[s].size(); ++i, ++size) {
-      const Mat3 &R = begin_[s][i].R, &T = end_[s][i].R;
+      const Mat3 &R = begin[i].R, &T = end_[s][i].R;
       double turn = 0;
       for (int k = 0; k < 3; ++k) {
         const Vec3 d = T.column(k) - R.column(k);
         turn += dot(d, d);
       }
-      way = std::max(way, norm(end_[s][i].p - begin_[s][i].p) + std::sqrt(0.5 * turn) * *size);
+      way = std::max(way, norm(end_[s][i].p - begin[i].p) + std::sqrt(0.5 * turn) * *size);
     }
     moved_[s] = way > options_.depth ? 1 : 0;
   }
@@ -74,8 +74,8 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
     for (int side = 0; side < 2; ++side) {
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
       if (at < 0) continue;
-      const auto s = static_cast<std::size_t>(at);
-      now[side] = begin_[s][static_cast<std::size_t>(link)] * (end_[s][static_cast<std::size_t>(link)].inverse() * c.p);
+      const auto l = static_cast<std::size_t>(link);
+      now[side] = stepper_->workspace(at).X_WB[l] * (end_[static_cast<std::size_t>(at)][l].inverse() * c.p);
     }
     c.p = c.system_b < 0 ? now[0] : (now[0] + now[1]) * 0.5;
     for (int side = 0; side < 2; ++side) {
@@ -94,7 +94,6 @@ StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const coll
   for (std::size_t s = 0; s < systems.size(); ++s) {
     std::ranges::copy(systems[s].q, q_[s].begin());
     std::ranges::copy(systems[s].v, v_[s].begin());
-    calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, begin_[s]);
   }
   contacts_.assign(contacts.begin(), contacts.end());
   StepReport report;

@@ -48,11 +48,11 @@ class GuardedStep {
   Stepper* stepper_;
   GuardOptions options_;
   collision::Workspace workspace_;
-  std::vector<std::vector<double>> q_, v_;      // [systems] at the beginning
-  std::vector<std::vector<Pose>> begin_, end_;  // [systems][links]
-  std::vector<std::span<const Pose>> views_;    // of end_
-  std::vector<double> size_;                    // m [links of all systems] how far a link's shapes reach from its origin
-  std::vector<char> moved_;                     // [systems] by more than the depth
+  std::vector<std::vector<double>> q_, v_;    // [systems] at the beginning
+  std::vector<std::vector<Pose>> end_;        // [systems][links] those at the beginning are the stepper's
+  std::vector<std::span<const Pose>> views_;  // of end_
+  std::vector<double> size_;                  // m [links of all systems] how far a link's shapes reach from its origin
+  std::vector<char> moved_;                   // [systems] by more than the depth
   std::vector<collision::ContactPoint> found_, contacts_;
   int passes_ = 0;
   double depth_ = 0;

@@ -44,6 +44,20 @@ inline void clamp_to_disk(double& x, double& y, double radius) {
   y *= scale;
 }
 
+/// Where friction lifts the contact as much as its normal impulse does, taking the two in turn goes to and fro and may end at nothing,
+/// which leaves it closing. Friction against the sliding c, at its bound, and the normal impulse are then one unknown:
+///   0 = c_n + (B_nn - mu B_nt . c_t / |c_t|) p_n
+void slide(const RowBlock& b, const double* c, double* p) {
+  const double speed = std::sqrt(c[1] * c[1] + c[2] * c[2]);
+  if (!(speed > 0)) return;
+  const double along[2] = {-b.mu * c[1] / speed, -b.mu * c[2] / speed};
+  const double lift = b.B[0] + b.B[3] * along[0] + b.B[4] * along[1];
+  if (!(lift > 1e-3 * b.B[0])) return;  // it jams
+  p[0] = -c[0] / lift;
+  p[1] = p[0] * along[0];
+  p[2] = p[0] * along[1];
+}
+
 /// One contact with everything else fixed: c is its velocity without its own impulse p.
 void solve_contact(const RowBlock& b, const double* c, double* p) {
   if (b.struck == 0 && c[0] >= 0) {
@@ -67,6 +81,7 @@ void solve_contact(const RowBlock& b, const double* c, double* p) {
     p[2] -= step * u2;
     clamp_to_disk(p[1], p[2], b.mu * (p[0] + b.struck));
   }
+  if (p[0] == 0 && b.struck == 0) slide(b, c, p);
 }
 
 }  // namespace
