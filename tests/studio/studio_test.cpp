@@ -186,6 +186,9 @@ TEST_F(StudioTest, AnOperationOnAMotionIsOneStepOfUndo) {
   EXPECT_EQ(api("GET", "/api/library").body.find(id), std::string::npos) << "and no longer, when nothing uses it";
   ASSERT_TRUE(p.ask({{"op", "redo"}})["ok"]);
   EXPECT_EQ(p.ask({{"op", "hello"}})["document"]["characters"][0]["track"][0]["motion"], done["motion"]);
+  ASSERT_TRUE(p.ask({{"op", "command"}, {"command", {{"type", "clip.remove"}, {"character", "human"}, {"id", "k2"}}}})["ok"]);
+  EXPECT_NE(api("GET", "/api/library").body.find("n-step"), std::string::npos) << "what was there before stays, used or not";
+  ASSERT_TRUE(p.ask({{"op", "undo"}})["ok"]);
 
   json cancelled = ask;
   cancelled["id"] = 900;

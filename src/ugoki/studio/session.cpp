@@ -518,7 +518,7 @@ std::vector<ProjectEntry> Session::project_entries() const {
   for (const auto& [id, mechanism] : resources.mechanisms) entries.push_back({id, mechanism, id, nullptr});
   for (const auto& [id, motion] : resources.motions) {
     ProjectEntry entry{id, nullptr, "", motion};
-    entry.used = used.contains(id);
+    entry.used = used.contains(id) || !id.starts_with(made_motion_prefix);
     for (const auto& [mechanism_id, mechanism] : resources.mechanisms) {
       if (mechanism->nq() != motion->nq || (entry.mechanism && mechanism->name() != motion->mechanism)) continue;
       entry.mechanism = mechanism;

@@ -38,7 +38,7 @@ struct ProjectEntry {
   MechanismPtr mechanism;  ///< of a motion: the one that it fits, perhaps null
   std::string mechanism_id;
   MotionPtr motion;  ///< null: the entry is the mechanism
-  bool used = true;  ///< by the document as it is; otherwise by one that undo may bring back
+  bool used = true;  ///< false: an operation made it, and only a document that undo or redo brings back plays it
 };
 
 class Session {

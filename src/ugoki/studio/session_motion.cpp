@@ -182,7 +182,7 @@ void Session::finish_motion(MotionTask& task) {
 Result<std::string> Session::place_motion(const MotionTask& task) {
   const EditedMotion& made = *task.made;
   const std::vector<std::byte> data = formats::write_motion(made.motion);
-  const std::string id = store::entry_id(store::EntryKind::motion, data);
+  const std::string id = made_motion_prefix + store::entry_id(store::EntryKind::motion, data).substr(2);
   const content::ScenarioCharacter* character = project_.scenario().find_character(task.character);
   if (character == nullptr)
     return fail(ErrorCode::conflict, "character " + task.character, "Somebody removed it while its motion was made.",

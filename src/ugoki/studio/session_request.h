@@ -9,6 +9,9 @@
 
 namespace ugoki::studio {
 
+/// Begins the ids of motions that operations made. Where nothing plays them any more they are kept for redo alone, and listed nowhere.
+inline const std::string made_motion_prefix = "e-";
+
 struct Session::Request {
   json::Json json;
   ClientId client = 0;
