@@ -20,5 +20,12 @@ void fuzz_trc(const std::uint8_t* data, std::size_t size);
 void fuzz_gltf(const std::uint8_t* data, std::size_t size);
 void fuzz_fmu_description(const std::uint8_t* data, std::size_t size);
 void fuzz_fmu(const std::uint8_t* data, std::size_t size);
+void fuzz_csv(const std::uint8_t* data, std::size_t size);
+void fuzz_fbx(const std::uint8_t* data, std::size_t size);
+void fuzz_collada(const std::uint8_t* data, std::size_t size);
+void fuzz_circuit(const std::uint8_t* data, std::size_t size);
+void fuzz_ugx(const std::uint8_t* data, std::size_t size);
+void fuzz_project(const std::uint8_t* data, std::size_t size);
+void fuzz_set(const std::uint8_t* data, std::size_t size);
 
 }  // namespace ugoki

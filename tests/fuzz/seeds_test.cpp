@@ -43,6 +43,13 @@ TEST(FuzzSeeds, Trc) { run("trc", fuzz_trc); }
 TEST(FuzzSeeds, Gltf) { run("gltf", fuzz_gltf); }
 TEST(FuzzSeeds, FmuDescription) { run("fmu_description", fuzz_fmu_description); }
 TEST(FuzzSeeds, Fmu) { run("fmu", fuzz_fmu); }
+TEST(FuzzSeeds, Csv) { run("csv", fuzz_csv); }
+TEST(FuzzSeeds, Fbx) { run("fbx", fuzz_fbx); }
+TEST(FuzzSeeds, Collada) { run("collada", fuzz_collada); }
+TEST(FuzzSeeds, Circuit) { run("circuit", fuzz_circuit); }
+TEST(FuzzSeeds, Ugx) { run("ugx", fuzz_ugx); }
+TEST(FuzzSeeds, Project) { run("project", fuzz_project); }
+TEST(FuzzSeeds, Set) { run("set", fuzz_set); }
 
 }  // namespace
 }  // namespace ugoki

@@ -156,6 +156,10 @@ Result<void> Project::Body::read() {
   problems = content::check_scenario(*read, &catalogue, place);
   if (!problems.empty()) return fail(std::move(problems));
   scenario = std::move(*read);
+  if (std::string canonical = content::write_scenario(scenario); canonical != document) {
+    if (saved == document) saved = canonical;
+    document = std::move(canonical);  // another program wrote it, in a form of its own
+  }
   for (const auto& [name, read_only_number] : {std::pair<const char*, bool>("position", true), {"next_id", false}}) {
     const Result<std::string> text = file.property(name);
     if (!text) return fail(text.error());

@@ -25,6 +25,7 @@ constexpr int relevance_parts = 3;
 struct Position {
   int part = 0;
   std::string key, id;
+  bool many = false;  ///< more than `few` fit: later pages need not count again
 };
 
 struct Column {
@@ -44,8 +45,8 @@ Column column_of(LibraryOrder order) {
 }
 
 std::string text_of(const Position& position, LibraryOrder order) {
-  const std::string text =
-      std::to_string(static_cast<int>(order)) + "," + std::to_string(position.part) + "," + position.id + "," + position.key;
+  const std::string text = std::to_string(static_cast<int>(order)) + "," + std::to_string(position.part) + "," +
+                           (position.many ? "1" : "0") + "," + position.id + "," + position.key;
   return to_base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
@@ -57,7 +58,7 @@ Result<Position> position_of(const std::string& text, LibraryOrder order) {
   const std::optional<std::vector<std::uint8_t>> bytes = from_base64(text);
   if (!bytes) return wrong();
   const std::string_view all(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  std::array<std::string_view, 4> fields;
+  std::array<std::string_view, 5> fields;
   std::size_t at = 0;
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const std::size_t end = i + 1 < fields.size() ? all.find(',', at) : all.size();
@@ -68,11 +69,11 @@ Result<Position> position_of(const std::string& text, LibraryOrder order) {
   int part = -1;
   std::from_chars(fields[1].data(), fields[1].data() + fields[1].size(), part);
   const bool number = column_of(order).number;
-  const bool digits = !fields[3].empty() && fields[3].size() < 18 && fields[3].find_first_not_of("0123456789") == std::string_view::npos;
+  const bool digits = !fields[4].empty() && fields[4].size() < 18 && fields[4].find_first_not_of("0123456789") == std::string_view::npos;
   if (fields[0] != std::to_string(static_cast<int>(order)) || part < 0 || part >= relevance_parts || (number && !digits) ||
       clean_text(all) != all)
     return wrong();
-  return Position{part, std::string(fields[3]), std::string(fields[2])};
+  return Position{part, std::string(fields[4]), std::string(fields[3]), fields[2] == "1"};
 }
 
 /// A statement that grows, with the values of its parameters.
@@ -116,21 +117,24 @@ class Search {
     if (!filtered && !after)
       if (Result<void> counted = count_all(out); !counted) return fail(std::move(counted.error()));
     Result<std::vector<Hit>> hits;
-    if (by_index_) {
+    const bool known_many = filtered && (query_.removed || (after && after->many));
+    if (known_many) {
+      out.total = body_.few;
+      out.total_exact = false;
+    } else if (by_index_) {
       Result<Sorted> found = sorted_if_few(after, false);
       if (!found) return fail(std::move(found.error()));
       out.total = std::min(found->total, body_.few);
       out.total_exact = found->total <= body_.few;
-      hits = out.total_exact ? std::move(found->hits) : walk(after);
-    } else {
-      out.total_exact = !filtered;
-      if (filtered) out.total = body_.few;
-      hits = walk(after);
+      hits = std::move(found->hits);
     }
+    if (!by_index_ || !out.total_exact) hits = walk(after);
     if (!hits) return fail(std::move(hits.error()));
     if (hits->size() > query_.limit) {
       hits->resize(query_.limit);
-      out.next = text_of(hits->back().position, query_.order);
+      Position last = hits->back().position;
+      last.many = by_index_ && !out.total_exact;
+      out.next = text_of(last, query_.order);
     }
     std::vector<EntryRow> rows;
     for (Hit& hit : *hits) rows.push_back(std::move(hit.row));
@@ -213,7 +217,7 @@ class Search {
   static Hit hit_of(const Rows& rows, std::size_t r, int part) {
     Hit hit;
     hit.row = entry_of(rows, r);
-    hit.position = {part, rows.text(r, entry_column_count), hit.row.id};
+    hit.position = {.part = part, .key = rows.text(r, entry_column_count), .id = hit.row.id};
     return hit;
   }
 
@@ -317,7 +321,7 @@ class Search {
       const Result<Rows> row =
           connection().query("SELECT " + key + ", e.id" + rows_of + order + " LIMIT 1 OFFSET " + std::to_string(most), sql.values);
       if (!row) return fail(row.error());
-      if (!row->empty()) end = Position{part, row->text(0, 0), row->text(0, 1)};
+      if (!row->empty()) end = Position{.part = part, .key = row->text(0, 0), .id = row->text(0, 1)};
     }
     if (end) rows_of += " AND " + until(sql, *end);
     sql.text = "SELECT " + std::string(entry_columns) + ", " + key + " AS key" + rows_of + " AND " + conditions(sql, part) + order +
