@@ -124,6 +124,7 @@ const mouse_both: [string, string][] = [
   ['Move a clip', 'drag it, also onto another track'],
   ['Trim a clip', 'drag its edge; Alt stretches it'],
   ['Slip the motion', 'Alt + drag the clip'],
+  ['Mirror, blend, turn …', 'right button on a clip'],
   ['Finer · snap off', 'Shift · Ctrl while dragging'],
   ['Timeline', 'wheel zooms, Shift + wheel pans'],
 ];
