@@ -5,6 +5,7 @@ import { fileURLToPath } from 'node:url';
 import assert from 'node:assert/strict';
 import { ready } from './browser.mjs';
 import { circuit_journeys } from './circuit.mjs';
+import { control_journeys } from './controls.mjs';
 import { plugin_journeys } from './plugins.mjs';
 import { library_journeys } from './library.mjs';
 import { motion_journeys } from './motion.mjs';
@@ -429,6 +430,7 @@ export const journeys = [
   ...motion_journeys,
   ...library_journeys,
   ...circuit_journeys,
+  ...control_journeys,
   ...plugin_journeys,
   {
     name: 'nothing went wrong in the page meanwhile',

@@ -30,8 +30,9 @@ async function main() {
     });
     const memory = {};
     for (const journey of journeys) {
-      if (journey.skip) {
-        console.log(`skip ${journey.name}: ${journey.skip}`);
+      const skip = journey.skip || (await journey.unless?.({ page }));
+      if (skip) {
+        console.log(`skip ${journey.name}: ${skip}`);
         skipped++;
         continue;
       }

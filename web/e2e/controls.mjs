@@ -1,0 +1,72 @@
+// Play controls: a key that is held in the page is a number on a wire of the running circuit.
+import assert from 'node:assert/strict';
+import { fileURLToPath } from 'node:url';
+import { mock } from './service.mjs';
+import { add, spot, state, undo, until } from './wiring.mjs';
+
+const skip = mock && 'the mock runs no circuit';
+const value = (page) => page.evaluate(() => window.ugoki.pin_value('keyboard', 'pressed')?.[0]);
+async function reaches(page, wanted, what) {
+  const end = Date.now() + 20000;
+  while ((await value(page)) !== wanted) {
+    assert.ok(Date.now() < end, `${what}: the pin is ${await value(page)}`);
+    await page.waitForTimeout(50);
+  }
+}
+
+/** Whether the service says which devices the content reads. */
+const tells_devices = (page) =>
+  page.evaluate(() => new Promise((resolve) => {
+    const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/ws${location.search}`);
+    socket.onopen = () => socket.send('{"id":1,"op":"hello"}');
+    socket.onmessage = (message) => {
+      const reply = typeof message.data === 'string' ? JSON.parse(message.data) : {};
+      if (reply.reply !== 1) return;
+      socket.close();
+      resolve('devices' in reply);
+    };
+  }));
+
+export const control_journeys = [
+  {
+    unless: async ({ page }) => !(await tells_devices(page)) && 'this program takes no input from the page',
+    name: 'controls: a key held while the content has them moves a value on a wire',
+    async run({ page }) {
+      await page.locator('.tab', { hasText: 'Circuit' }).click();
+      await page.locator('.circuit[role=application]').focus();
+      const before = (await state(page)).lsis.length;
+      await add(page, 'keyboard', await spot(page, 0.5, 0.85));
+      await until(page, (c) => c.lsis.some((l) => l.id === 'keyboard'), 'the keyboard');
+      await page.locator('.circuit[role=application]').focus();
+      await page.keyboard.press('f'); // near enough for values
+      const enter = page.getByRole('button', { name: /^Play controls/ });
+      await enter.waitFor({ timeout: 20000 });
+      assert.match(await enter.textContent(), /Space/);
+      await enter.click();
+      const bar = page.locator('.controls-bar.on');
+      await bar.waitFor();
+      await page.waitForFunction(() => window.ugoki.transport().mode === 'simulate' && window.ugoki.transport().playing);
+      await reaches(page, 0, 'nothing is held');
+      await page.keyboard.down('Space');
+      await reaches(page, 1, 'the key is held');
+      assert.equal(await bar.locator('kbd[data-held=true]').textContent(), 'Space');
+      await page.screenshot({ path: fileURLToPath(new URL('./out/controls.png', import.meta.url)) });
+      assert.ok((await page.evaluate(() => window.ugoki.transport())).playing, 'Space is the content’s, not the transport’s');
+      await page.keyboard.up('Space');
+      await reaches(page, 0, 'the key was let go');
+
+      await page.keyboard.down('Space');
+      await reaches(page, 1, 'held again');
+      await page.keyboard.press('Escape');
+      await bar.waitFor({ state: 'detached' });
+      await reaches(page, 0, 'Escape lets go of everything');
+      await page.keyboard.up('Space');
+
+      await page.getByRole('radio', { name: 'Edit' }).click();
+      while ((await undo(page)).can_undo && (await state(page)).lsis.length > before) {
+        await page.keyboard.press('Control+z');
+        await page.waitForTimeout(300);
+      }
+    },
+  },
+].map((journey) => ({ ...journey, skip }));
