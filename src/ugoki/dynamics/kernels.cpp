@@ -5,7 +5,9 @@ namespace {
 
 const Kernels* table_of(SimdWidth width) {
 #ifdef UGOKI_X86_WIDTHS
-  if (width == SimdWidth::avx512) return __builtin_cpu_supports("avx512f") ? &avx512::table : nullptr;
+  if (width == SimdWidth::avx512)
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") ? &avx512::table
+                                                                                                                         : nullptr;
   if (width == SimdWidth::avx2) return __builtin_cpu_supports("avx2") ? &avx2::table : nullptr;
 #endif
   return width == SimdWidth::plain ? &plain::table : nullptr;
