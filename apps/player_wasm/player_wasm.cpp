@@ -7,6 +7,8 @@
 //   ugoki_hash_low(), ugoki_hash_high()                       state hash
 //   ugoki_frame(number, flags) -> address, ugoki_frame_size() a frame as in docs/studio-protocol.md
 //   ugoki_push, ugoki_grab, ugoki_drag, ugoki_let_go          inputs, indices as in the frame
+//   ugoki_input(address, size) -> 1 taken, 0 refused          keyboard, mouse and gamepads: the fields of `input` in that document, as JSON
+//   ugoki_devices() -> address, ugoki_message_size()          what the content reads of them, as JSON: the fields of the event `devices`
 //   ugoki_reset()
 //   ugoki_message() -> address, ugoki_message_size()          UTF-8
 
@@ -25,6 +27,7 @@ namespace {
 struct Session {
   std::optional<ugoki::content::Player> player;
   ugoki::content::DisplayFrame frame;
+  ugoki::circuit::DeviceState held;
   std::vector<std::byte> bytes;
   std::string message;
 };
@@ -49,6 +52,8 @@ PLAYER_EXPORT(ugoki_open) std::int32_t ugoki_open(const std::byte* bytes, std::u
     return 0;
   }
   s.player.emplace(std::move(*player));
+  s.held.mouse.wheel = 0;
+  s.player->hold(s.held);
   return 1;
 }
 
@@ -65,7 +70,11 @@ PLAYER_EXPORT(ugoki_step) std::uint32_t ugoki_step(std::uint32_t count) {
 }
 
 PLAYER_EXPORT(ugoki_reset) void ugoki_reset() {
-  if (session().player) session().player->reset();
+  Session& s = session();
+  if (!s.player) return;
+  s.player->reset();
+  s.held.mouse.wheel = 0;
+  s.player->hold(s.held);
 }
 PLAYER_EXPORT(ugoki_time) double ugoki_time() { return session().player ? session().player->time() : 0; }
 PLAYER_EXPORT(ugoki_step_size) double ugoki_step_size() { return session().player ? session().player->step_size() : 0; }
@@ -100,6 +109,23 @@ PLAYER_EXPORT(ugoki_drag) void ugoki_drag(double x, double y, double z) {
 }
 PLAYER_EXPORT(ugoki_let_go) void ugoki_let_go() {
   if (session().player) session().player->release();
+}
+
+PLAYER_EXPORT(ugoki_input) std::int32_t ugoki_input(const char* json, std::uint32_t size) {
+  Session& s = session();
+  const auto change = ugoki::circuit::read_device_change({json, size});
+  if (!change) {
+    s.message = change.error().text();
+    return 0;
+  }
+  ugoki::circuit::apply(*change, s.held);
+  if (s.player) s.player->hold(s.held);
+  return 1;
+}
+PLAYER_EXPORT(ugoki_devices) const char* ugoki_devices() {
+  Session& s = session();
+  s.message = ugoki::circuit::write_device_use(s.player ? s.player->devices().use() : ugoki::circuit::DeviceUse{});
+  return s.message.data();
 }
 
 PLAYER_EXPORT(ugoki_message) const char* ugoki_message() { return session().message.data(); }

@@ -1,9 +1,10 @@
 // Executable data played from memory: same bits, inputs, save and restore, no allocation.
 
+#include "ugoki/content/player.h"
 #include "allocation_count.h"
 #include "small_world.h"
+#include "ugoki/content/default_circuit.h"
 #include "ugoki/content/generate.h"
-#include "ugoki/content/player.h"
 #include "ugoki/content/ugx.h"
 
 namespace ugoki::content {
@@ -182,6 +183,76 @@ TEST(Player, RecordedInputsReplayToTheSameBits) {
   late.schedule(a.inputs());  // the push of step 100 is past and acts no more
   run(late, 267);
   EXPECT_EQ(late.inputs().size(), 53u);
+}
+
+/// The content with a key that counts, and nothing else added.
+std::vector<std::byte> content_with_a_key() {
+  Scenario scenario = small_scenario();
+  auto c = circuit::read_circuit(default_circuit(scenario));
+  EXPECT_TRUE(c);
+  circuit::Instance key, presses;
+  key.id = "key";
+  key.type = "keyboard";
+  key.parameters = {{"key", std::string("KeyW")}};
+  presses.id = "presses";
+  presses.type = "counter";
+  c->lsis.insert(c->lsis.end(), {key, presses});
+  c->wires.push_back({"key.pressed", "presses.in"});
+  scenario.circuit = circuit::write_circuit(*c);
+  return small_content(scenario);
+}
+
+double presses(Player& player) { return player.interpreter().find_output("presses.out")->numbers()[0]; }
+
+TEST(Player, WhatTheUserHoldsIsRecordedAndReplaysToTheSameBits) {
+  const std::vector<std::byte> bytes = content_with_a_key();
+  Player a = open(bytes);
+  EXPECT_EQ(a.devices().use().keys, std::vector<std::string>{"KeyW"});
+  circuit::DeviceState down, other;
+  down.keys = {"KeyW"};
+  other.keys = {"KeyQ"};
+  a.hold(other);  // nobody reads it
+  EXPECT_TRUE(a.inputs().empty());
+  run(a, 10);
+  for (int k = 0; k < 3; ++k) {
+    a.hold(down);
+    a.hold(down);
+    run(a, 4);
+    a.hold({});
+    run(a, 4);
+  }
+  EXPECT_EQ(a.inputs().size(), 6u);
+  EXPECT_EQ(presses(a), 3);
+  Player b = open(bytes);
+  b.schedule(a.inputs());
+  run(b, 34);
+  std::vector<std::byte> of_a, of_b;
+  a.save(of_a);
+  b.save(of_b);
+  EXPECT_EQ(of_a, of_b) << "the whole state, not the figures alone";
+  EXPECT_EQ(b.inputs().size(), 6u);
+  b.reset();
+  EXPECT_TRUE(b.devices().has({}));
+}
+
+TEST(Player, AfterARestoreOnlyWhatWasHeldBeforeItCounts) {
+  Player a = open(content_with_a_key());
+  circuit::DeviceState down;
+  down.keys = {"KeyW"};
+  run(a, 5);
+  a.hold(down);
+  std::vector<std::byte> saved;
+  a.save(saved);
+  run(a, 5);
+  ASSERT_TRUE(a.restore(saved));
+  EXPECT_EQ(a.inputs().size(), 1u) << "held when it was saved";
+  a.hold({});
+  EXPECT_TRUE(a.inputs().back().held->keys.empty());
+  run(a, 5);
+  EXPECT_EQ(presses(a), 0);
+  ASSERT_TRUE(a.restore(saved));
+  run(a, 5);
+  EXPECT_EQ(presses(a), 1);
 }
 
 TEST(Player, IgnoresInputsThatMeanNothing) {

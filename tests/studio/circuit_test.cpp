@@ -143,6 +143,58 @@ TEST_F(CircuitStudioTest, EditsAreStoredAndUndoneAndTheirValuesAreSeenWhileItPla
   EXPECT_TRUE(document["document"]["circuit"].is_null());
 }
 
+TEST_F(CircuitStudioTest, KeysOfThePageReachTheRunningCircuitAndComeAgainWhenItIsComputedAgain) {
+  Page p = page();
+  const json hello = p.ask({{"op", "hello"}});
+  json devices = hello.contains("devices") ? hello["devices"] : p.event("devices");
+  EXPECT_TRUE(devices["keyboard"].empty());
+  EXPECT_EQ(devices["mouse"], false);
+  ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "w"}, {"type", "keyboard"}, {"parameters", {{"key", "KeyW"}}}}),
+                                    put("lsis", {{"id", "m"}, {"type", "mouse"}}), put("lsis", {{"id", "n"}, {"type", "counter"}}),
+                                    put("wires", {{"from", "w.pressed"}, {"to", "n.in"}})})))["ok"],
+            true);
+  devices = p.event("devices");
+  EXPECT_EQ(devices["keyboard"], json::array({"KeyW"}));
+  EXPECT_EQ(devices["mouse"], true);
+  EXPECT_EQ(p.ask({{"op", "hello"}})["devices"], devices);
+  ASSERT_EQ(p.ask({{"op", "watch"}, {"pins", {"n.out", "w.pressed", "m.x"}}, {"probes", json::array()}, {"timing", false}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  const auto pin = [](const json& e, std::size_t k) { return e["pins"][k][2][0].get<double>(); };
+  const auto say = [&](const json& what) { p.socket().send_text(what.dump()); };
+  say({{"op", "input"}, {"keyboard", {"KeyW", "KeyQ"}}, {"mouse", {{"x", 0.25}}}});
+  ASSERT_FALSE(p.event("values", [&](const json& e) { return pin(e, 0) == 1 && pin(e, 1) == 1 && pin(e, 2) == 0.25; }).is_null());
+  say({{"op", "input"}, {"keyboard", json::array()}});
+  ASSERT_FALSE(p.event("values", [&](const json& e) { return pin(e, 0) == 1 && pin(e, 1) == 0; }).is_null());
+  ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
+  const double head = p.ask({{"op", "hello"}})["transport"]["simulated"].get<double>();
+  // Content that is otherwise the same: computed again up to here, with the key.
+  ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "k"}, {"type", "clock"}})})))["ok"], true);
+  const json again = p.event("values", [&](const json& e) { return e["time"].get<double>() > head - 0.01; });
+  ASSERT_FALSE(again.is_null());
+  EXPECT_EQ(pin(again, 0), 1);
+
+  const json refused = p.ask({{"op", "input"}, {"keyboard", {"no key"}}});
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_EQ(refused["error"]["problems"][0]["place"], "input/keyboard/0");
+}
+
+TEST_F(CircuitStudioTest, WhatAPageHeldIsLetGoWhenItGoesAway) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "w"}, {"type", "keyboard"}, {"parameters", {{"key", "KeyW"}}}})})))["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "watch"}, {"pins", {"w.pressed"}}, {"probes", json::array()}, {"timing", false}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  const auto pressed = [](double x) { return [x](const json& e) { return e["pins"][0][2][0] == x; }; };
+  {
+    Page other = page();
+    other.socket().send_text(json{{"op", "input"}, {"keyboard", {"KeyW"}}}.dump());
+    ASSERT_FALSE(p.event("values", pressed(1)).is_null());
+  }
+  EXPECT_FALSE(p.event("values", pressed(0)).is_null());
+}
+
 TEST_F(CircuitStudioTest, OfAnEditThePagesAreToldTheChangesOnly) {
   Page p = page(), other = page();
   const json before = p.ask({{"op", "hello"}});

@@ -46,6 +46,22 @@ export class WasmPlayer {
     return opened;
   }
 
+  /** What the user holds in hand, as the fields of the message `input`; true when it was taken. */
+  input(text) {
+    const bytes = new TextEncoder().encode(text);
+    const address = this.exports.ugoki_allocate(Math.max(bytes.length, 1));
+    new Uint8Array(this.memory.buffer, address, bytes.length).set(bytes);
+    const taken = this.exports.ugoki_input(address, bytes.length) === 1;
+    this.exports.ugoki_release(address);
+    return taken;
+  }
+
+  /** What the content reads of keyboard, mouse and gamepads. */
+  get devices() {
+    this.exports.ugoki_devices();
+    return JSON.parse(this.message);
+  }
+
   get message() {
     const address = this.exports.ugoki_message();
     return decoder.decode(new Uint8Array(this.memory.buffer, address, this.exports.ugoki_message_size()));

@@ -91,6 +91,17 @@ test("a push changes the states", () => {
   expect(player.hash !== checkpoints[0].hash, "the push did nothing");
 });
 
+test("takes what the user holds and refuses nonsense", () => {
+  const { keyboard, mouse, gamepads } = player.devices;
+  expect(keyboard.length === 0 && mouse === false && gamepads.length === 0, "the sample reads no devices");
+  player.exports.ugoki_reset();
+  expect(player.input('{"keyboard": ["KeyW"], "mouse": {"x": 0.5, "left": true}}'), player.message);
+  expect(player.exports.ugoki_step(every) === every, player.message);
+  expect(player.hash === checkpoints[0].hash, "a key that nobody reads changed the states");
+  expect(!player.input('{"keyboard": ["no key"]}') && player.message.includes("KeyboardEvent.code"), player.message);
+  player.exports.ugoki_reset();
+});
+
 test("gives a display frame", () => {
   const first = player.frame(1);
   expect(player.exports.ugoki_step(every) === every, player.message);

@@ -26,6 +26,7 @@ struct Player::Machine {
   PinView state, contacts, events, poses, figures, measures;
   std::vector<PinView> touches;  // of every dynamics LSI
   std::span<std::byte> live;
+  circuit::DeviceFeed devices;
   std::vector<PlayerInput> inputs;     // given so far
   std::vector<PlayerInput> scheduled;  // by step
   std::size_t next_scheduled = 0;
@@ -41,6 +42,7 @@ struct Player::Machine {
     return {.dt = content.step, .check_finite = true, .activity = options.activity};
   }
   void give(const EventRecord& record);
+  void give(std::shared_ptr<const circuit::DeviceState> held);
   void give_scheduled();
   void refresh();
 };
@@ -48,6 +50,20 @@ struct Player::Machine {
 namespace {
 
 constexpr std::size_t most_live = 32;  // records in an event payload
+
+/// The circuit's output that the player needs, of this type and size.
+PinView find_pin(const circuit::Interpreter& interpreter, const char* name, PinTypeId type, std::uint32_t count, Error& problems) {
+  const auto view = interpreter.find_circuit_output(name);
+  if (view && view->type == type && view->count == count) return *view;
+  const std::string wanted = "'" + std::string(name) + "' (" + std::string(circuit::pin_type(type).name) + ")";
+  problems.add(ErrorCode::structure, "circuit/outputs",
+               view ? "The circuit's output " + wanted + " does not have the form that the player needs."
+                    : "The circuit has no output " + wanted + ".",
+               "Give it the outputs of the default circuit: see docs/circuit.md.");
+  return {};
+}
+
+}  // namespace
 
 lsi::World make_world(const Executable& content) {
   std::vector<lsi::CharacterSpec> characters;
@@ -81,20 +97,6 @@ lsi::World make_world(const Executable& content) {
   return lsi::World(std::move(characters), std::move(events), content.gravity,
                     {content.ground.height, content.ground.friction, content.ground.restitution});
 }
-
-/// The circuit's output that the player needs, of this type and size.
-PinView find_pin(const circuit::Interpreter& interpreter, const char* name, PinTypeId type, std::uint32_t count, Error& problems) {
-  const auto view = interpreter.find_circuit_output(name);
-  if (view && view->type == type && view->count == count) return *view;
-  const std::string wanted = "'" + std::string(name) + "' (" + std::string(circuit::pin_type(type).name) + ")";
-  problems.add(ErrorCode::structure, "circuit/outputs",
-               view ? "The circuit's output " + wanted + " does not have the form that the player needs."
-                    : "The circuit has no output " + wanted + ".",
-               "Give it the outputs of the default circuit: see docs/circuit.md.");
-  return {};
-}
-
-}  // namespace
 
 Result<Player> Player::open(std::span<const std::byte> ugx, std::string_view name, PlayerOptions options) {
   Result<Executable> content = read_executable(ugx, name);
@@ -132,6 +134,7 @@ Result<void> Player::Machine::bind() {
     if (const auto pin = lsi.type == "dynamics" ? i.find_output(lsi.id + ".touches") : Result<PinView>(fail(Error()));
         pin && pin->type == PinTypeId::event)
       m.touches.push_back(*pin);
+  m.devices = circuit::DeviceFeed(*m.interpreter);
   m.live = m.interpreter->find_circuit_input("live");
   if (m.live.size() != sizeof(std::uint64_t) + most_live * sizeof(EventRecord))
     problems.add(ErrorCode::structure, "circuit/inputs", "The circuit has no input 'live' (event).",
@@ -182,13 +185,25 @@ void Player::Machine::give(const EventRecord& record) {
   if (count == most_live) return;
   room[count] = record;
   lsi::set_count(live.data(), count + 1);
-  inputs.push_back({step, record});
+  inputs.push_back({step, record, nullptr});
+}
+
+void Player::Machine::give(std::shared_ptr<const circuit::DeviceState> held) {
+  const std::uint64_t step = interpreter->ticks();
+  devices.give(*held);
+  // Between two steps the last one counts.
+  if (!inputs.empty() && inputs.back().held && inputs.back().step == step) inputs.pop_back();
+  inputs.push_back({step, {}, std::move(held)});
 }
 
 void Player::Machine::give_scheduled() {
   while (next_scheduled < scheduled.size() && scheduled[next_scheduled].step <= interpreter->ticks()) {
-    if (scheduled[next_scheduled].step == interpreter->ticks()) give(scheduled[next_scheduled].record);
-    ++next_scheduled;
+    const PlayerInput& input = scheduled[next_scheduled++];
+    if (input.step != interpreter->ticks()) continue;
+    if (input.held)
+      give(input.held);
+    else
+      give(input.record);
   }
 }
 
@@ -282,11 +297,17 @@ void Player::throw_from(int character, const Vec3& from, const Vec3& velocity, c
   machine_->give(e);
 }
 
+void Player::hold(const circuit::DeviceState& state) {
+  if (!machine_->devices.has(state)) machine_->give(std::make_shared<const circuit::DeviceState>(state));
+}
+
+const circuit::DeviceFeed& Player::devices() const { return machine_->devices; }
+
 void Player::schedule(std::vector<PlayerInput> inputs) {
   std::vector<std::pair<std::uint64_t, std::size_t>> order;  // by step; inputs of one step as they come
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const EventRecord& e = inputs[i].record;
-    const bool about_nobody = e.kind == EventKind::drag || e.kind == EventKind::release;
+    const bool about_nobody = inputs[i].held || e.kind == EventKind::drag || e.kind == EventKind::release;
     if (about_nobody || machine_->is_link(static_cast<int>(e.character), e.link)) order.emplace_back(inputs[i].step, i);
   }
   std::sort(order.begin(), order.end());
@@ -314,8 +335,9 @@ Result<void> Player::restore(std::span<const std::byte> bytes) {
   Machine& m = *machine_;
   if (Result<void> done = m.interpreter->restore(bytes); !done) return done;
   const std::uint64_t now = m.interpreter->ticks();
-  std::erase_if(m.inputs, [&](const PlayerInput& i) { return i.step >= now; });
-  for (const EventRecord& e : lsi::records<EventRecord>(m.live.data())) m.inputs.push_back({now, e});  // given, not yet acted
+  // Of what was given between two steps the state tells whether it came before or after it was saved.
+  std::erase_if(m.inputs, [&](const PlayerInput& i) { return i.step >= now && !(i.step == now && i.held && m.devices.has(*i.held)); });
+  for (const EventRecord& e : lsi::records<EventRecord>(m.live.data())) m.inputs.push_back({now, e, nullptr});  // given, not yet acted
   m.next_scheduled = 0;
   m.displayed = false;
   return {};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/circuit/devices.h"
 #include "ugoki/circuit/interpreter.h"
 #include "ugoki/content/display_frame.h"
 #include "ugoki/content/executable.h"
@@ -21,6 +22,7 @@ namespace ugoki::content {
 struct PlayerInput {
   std::uint64_t step = 0;
   lsi::EventRecord record;
+  std::shared_ptr<const circuit::DeviceState> held;  ///< keyboard, mouse and gamepads from now on; null: `record` is what happens
 };
 
 /// How natural a character has moved since the start. Zeros for passive characters.
@@ -54,6 +56,9 @@ struct PlayerOptions {
   std::shared_ptr<const circuit::Library> library;  ///< all LSIs that the circuit may use; null: lsi::standard_library()
   circuit::Activity* activity = nullptr;            ///< where to note which LSI runs; outlives the player
 };
+
+/// The characters and events of executable data as the LSIs of a circuit see them.
+[[nodiscard]] lsi::World make_world(const Executable& content);
 
 class Player {
  public:
@@ -89,6 +94,10 @@ class Player {
   void release();
   /// Sets the root's position [m], velocity [m/s] and spin [rad/s], world; for characters with a floating root.
   void throw_from(int character, const Vec3& from, const Vec3& velocity, const Vec3& spin);
+  /// What the user holds in hand from now on. Recorded where it is other, for what the circuit reads, than it was.
+  void hold(const circuit::DeviceState& state);
+  /// Of what the circuit reads of keyboard, mouse and gamepads. Another one after change_library.
+  [[nodiscard]] const circuit::DeviceFeed& devices() const;
 
   /// All inputs so far (since reset; restore forgets those of later steps).
   [[nodiscard]] const std::vector<PlayerInput>& inputs() const;

@@ -31,8 +31,6 @@ Error told(ErrorCode code, std::string place, std::string message, std::string r
 /// True if simulating `seconds` is fast enough to do it unasked.
 bool is_cheap_to(double seconds, double realtime_factor) { return seconds <= cheap_seconds * realtime_factor; }
 
-bool finite(const Vec3& v) { return is_finite(v) && norm(v) < 1e9; }
-
 }  // namespace
 
 Interpreter::Interpreter(SimulationOpener opener, InterpreterSink& sink, std::function<double()> seconds)
@@ -89,6 +87,7 @@ Result<void> Interpreter::load(std::span<const std::byte> executable) {
   }
   anchor();
   report_transport();
+  report_devices();
   return {};
 }
 
@@ -189,6 +188,7 @@ Result<void> Interpreter::restart() {
   if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
   watch_.changed();
   next_input_ = 0;
+  held_.mouse.wheel = 0;
   blown_up_ = false;
   shown_ = 0;
   status_ = playing_ ? "playing" : "ready";
@@ -217,103 +217,10 @@ std::vector<std::string> Interpreter::change_library() {
   if (Result<void> r = simulation_->restore(head); !r) return {r.error().text()};
   recording_->replace_checkpoints(std::move(first), simulation_->step_count(), std::move(head));
   report_transport();
+  report_devices();
   std::vector<std::string> sentences = {"The installed LSIs changed; the content goes on with the new ones."};
   sentences.insert(sentences.end(), told->begin(), told->end());
   return sentences;
-}
-
-Result<LiveInput> Interpreter::link_input(std::string_view character, std::string_view link) const {
-  if (Result<void> r = require_content(); !r) return fail(std::move(r.error()));
-  if (mode_ != PlayMode::simulate) {
-    return fail(told(ErrorCode::structure, "mode", "Bodies can be pulled and pushed in Simulate only.", "Switch to Simulate."));
-  }
-  const std::vector<CastMember>& cast = simulation_->cast();
-  const auto found = std::ranges::find(cast, character, &CastMember::id);
-  if (found == cast.end()) {
-    return fail(told(ErrorCode::unknown, "character", "No character is called \"" + std::string(character) + "\".",
-                     "Name one of the scenario's characters."));
-  }
-  LiveInput input;
-  input.character = static_cast<int>(found - cast.begin());
-  const std::optional<long> index = parse_long(link);
-  input.link =
-      index ? (*index >= 0 && *index < found->links ? static_cast<int>(*index) : -1) : simulation_->find_link(input.character, link);
-  if (input.link < 0) {
-    return fail(told(ErrorCode::unknown, "link", "\"" + std::string(character) + "\" has no link \"" + std::string(link) + "\".",
-                     "Give a link's index, name or label."));
-  }
-  return input;
-}
-
-Result<void> Interpreter::grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target) {
-  Result<LiveInput> input = link_input(character, link);
-  if (!input) return fail(std::move(input.error()));
-  if (!finite(point) || !finite(target)) return fail(told(ErrorCode::range, "target", "Points must be finite.", "Give metres."));
-  input->type = LiveInput::Type::grab;
-  input->a = point;
-  input->b = target;
-  return live_input(*input);
-}
-
-Result<void> Interpreter::push(std::string_view character, std::string_view link, const Vec3& force, double duration) {
-  Result<LiveInput> input = link_input(character, link);
-  if (!input) return fail(std::move(input.error()));
-  if (!is_finite(force) || norm(force) > 1e5 || !(duration > 0 && duration <= 10)) {
-    return fail(told(ErrorCode::range, "force", "A push has at most 100 000 N and lasts at most 10 s.",
-                     "Give the force in newton and the duration in seconds."));
-  }
-  input->type = LiveInput::Type::push;
-  input->a = force;
-  input->duration = duration;
-  return live_input(*input);
-}
-
-Result<void> Interpreter::drag(const Vec3& target) {
-  if (Result<void> r = require_content(); !r) return r;
-  if (!finite(target)) return fail(told(ErrorCode::range, "target", "Points must be finite.", "Give metres."));
-  const std::vector<LiveInput>& inputs = recording_->inputs();
-  if (mode_ != PlayMode::simulate || inputs.empty() || inputs.back().type == LiveInput::Type::release) return {};  // the grab is over
-  LiveInput input;
-  input.type = LiveInput::Type::drag;
-  input.a = target;
-  return live_input(input);
-}
-
-Result<void> Interpreter::release() {
-  if (Result<void> r = require_content(); !r) return r;
-  if (mode_ != PlayMode::simulate) return {};
-  LiveInput input;
-  input.type = LiveInput::Type::release;
-  return live_input(input);
-}
-
-Result<void> Interpreter::live_input(LiveInput input) {
-  if (goal_ == Goal::seek) {  // what was to be simulated first is not wanted any more
-    goal_ = Goal::none;
-    shown_ = head_time();
-    anchor();
-  }
-  if (shown_ < head_time() - 0.5 * simulation_->step_size()) {
-    if (Result<void> r = truncate(step_at(shown_)); !r) return r;
-    anchor();
-  }
-  recording_->truncate(simulation_->step_count() + 1);  // inputs of a future that did not come
-  apply_due_inputs();
-  input.step = simulation_->step_count();
-  recording_->add_input(input);
-  next_input_ = recording_->inputs().size();
-  apply(input);
-  if (!playing_) show_head();
-  return {};
-}
-
-void Interpreter::apply(const LiveInput& input) {
-  switch (input.type) {
-    case LiveInput::Type::push: simulation_->push(input.character, input.link, input.a, input.duration); break;
-    case LiveInput::Type::grab: simulation_->grab(input.character, input.link, input.a, input.b); break;
-    case LiveInput::Type::drag: simulation_->drag(input.a); break;
-    case LiveInput::Type::release: simulation_->release(); break;
-  }
 }
 
 void Interpreter::begin_recording() {
@@ -335,11 +242,6 @@ Result<void> Interpreter::truncate(std::int64_t step) {
     if (!advance_head()) return fail(told(ErrorCode::structure, "transport", status_, "Restart the simulation."));
   }
   return {};
-}
-
-void Interpreter::apply_due_inputs() {
-  const std::vector<LiveInput>& inputs = recording_->inputs();
-  for (; next_input_ < inputs.size() && inputs[next_input_].step <= simulation_->step_count(); ++next_input_) apply(inputs[next_input_]);
 }
 
 bool Interpreter::advance_head() {
@@ -381,6 +283,10 @@ bool Interpreter::work_on_goal() {
   const std::int64_t first = simulation_->step_count();
   double now = begin;
   bool good = true;
+  if (goal_ == Goal::tick) {
+    apply_due_inputs();
+    good = hold().has_value();
+  }
   while (good && simulation_->step_count() < goal_step_ && now - begin < slice_seconds) {
     good = advance_head();
     now = seconds_();
@@ -546,6 +452,14 @@ void Interpreter::report_transport() {
                    {"realtime_factor", pace * simulation_->step_size()},
                    {"status", status_}};
   sink_.message(event.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+/// What the circuit reads of keyboard, mouse and gamepads, where that is news.
+void Interpreter::report_devices() {
+  circuit::DeviceUse use = simulation_->devices() ? simulation_->devices()->use() : circuit::DeviceUse{};
+  if (told_devices_ == use) return;
+  sink_.message(R"({"event":"devices",)" + circuit::write_device_use(use).substr(1));
+  told_devices_ = std::move(use);
 }
 
 void Interpreter::report_summary() {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/circuit/devices.h"
 #include "ugoki/studio/circuit_watch.h"
 #include "ugoki/studio/nearest_pairs.h"
 #include "ugoki/studio/recording.h"
@@ -55,6 +56,9 @@ class Interpreter {
   [[nodiscard]] Result<void> drag(const Vec3& target);
   [[nodiscard]] Result<void> release();
   [[nodiscard]] Result<void> push(std::string_view character, std::string_view link, const Vec3& force, double duration);
+  /// Keyboard, mouse and gamepads, remembered whatever it does; they act on steps that are computed while it plays. A press that the
+  /// circuit reads acts behind the head too.
+  [[nodiscard]] Result<void> input(const circuit::DeviceChange& change);
 
   /// What a page wants to see of the running circuit, from now on: events `values`.
   void watch(WatchRequest request);
@@ -74,6 +78,7 @@ class Interpreter {
   [[nodiscard]] Result<void> require_content() const;
   [[nodiscard]] Result<LiveInput> link_input(std::string_view character, std::string_view link) const;
   [[nodiscard]] Result<void> live_input(LiveInput input);
+  [[nodiscard]] Result<void> hold();
   void apply(const LiveInput& input);
   void apply_due_inputs();
   [[nodiscard]] double realtime_factor() const;
@@ -95,6 +100,7 @@ class Interpreter {
   void report_stop();
   void report_transport();
   void report_summary();
+  void report_devices();
   void report_in_time();
   /// s until values are to be reported; infinity: nothing of them changed.
   double report_values();
@@ -115,6 +121,8 @@ class Interpreter {
   double shown_ = 0;  ///< s, what the page sees
   Goal goal_ = Goal::none;
   std::int64_t goal_step_ = 0;
+  circuit::DeviceState held_;  ///< what the user holds in hand now
+  std::optional<circuit::DeviceUse> told_devices_;
   std::size_t next_input_ = 0;  ///< first recorded input that the head has not seen
   double anchor_seconds_ = 0, anchor_time_ = 0;
   std::int64_t ticks_ = 0;       ///< display ticks since the anchor

@@ -125,8 +125,13 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   if (op == "restart") return interpreter.restart();
   if (op == "drag") return interpreter.drag(vec3_of(request, "target"));
   if (op == "release") return interpreter.release();
+  if (op == "input") {
+    const Result<circuit::DeviceChange> change = circuit::read_device_change(request.dump());
+    return change ? interpreter.input(*change) : fail(change.error());
+  }
   if (op == "watch") {
-    interpreter.watch({texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false), request.value("nearest", false)});
+    interpreter.watch(
+        {texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false), request.value("nearest", false)});
     return {};
   }
   const std::string character = text_of(request, "character"), link = text_of(request, "link");

@@ -56,6 +56,8 @@ class PlayerSimulation final : public Simulation {
     player_.release();
     given_ = Given::release;
   }
+  void hold(const circuit::DeviceState& state) override { player_.hold(state); }
+  const circuit::DeviceFeed* devices() const override { return &player_.devices(); }
 
   void reset() override {
     given_ = Given::nothing;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,13 +14,14 @@ namespace ugoki::studio {
 
 /// Something that a user did while it ran, before step `step`.
 struct LiveInput {
-  enum class Type : std::uint8_t { push, grab, drag, release };
+  enum class Type : std::uint8_t { push, grab, drag, release, hold };
   std::int64_t step = 0;
   Type type = Type::push;
   int character = 0, link = 0;
-  Vec3 a;               ///< force (push), point in the link's frame (grab), target (drag)
-  Vec3 b;               ///< target (grab)
-  double duration = 0;  ///< s (push)
+  Vec3 a;                                            ///< force (push), point in the link's frame (grab), target (drag)
+  Vec3 b;                                            ///< target (grab)
+  double duration = 0;                               ///< s (push)
+  std::shared_ptr<const circuit::DeviceState> held;  ///< keyboard, mouse and gamepads (hold)
 };
 
 /// A stretch of time with the same number of feet on the ground.

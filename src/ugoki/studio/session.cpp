@@ -6,6 +6,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/circuit.h"
+#include "ugoki/circuit/devices.h"
 #include "ugoki/content/default_circuit.h"
 #include "ugoki/content/generate.h"
 #include "ugoki/content/track.h"
@@ -147,6 +148,7 @@ std::string Session::hello() const {
   fields += ",\"circuit_problems\":" + text_of(json::error_json(circuit_problems_)["problems"]);
   if (!lsis_.empty()) fields += ",\"lsis\":" + lsis_;
   if (!stopped_.empty()) fields += ",\"stopped\":" + stopped_;
+  if (!devices_.empty()) fields += ",\"devices\":" + devices_;
   return fields;
 }
 
@@ -294,6 +296,8 @@ Result<void> Session::check_transport(const Request& request) const {
         return Request::wrong(key, "a list of at most " + std::to_string(max_watched) + " outputs");
     if (!field("timing").is_boolean()) return Request::wrong("timing", "true or false");
     if (!field("nearest").is_null() && !field("nearest").is_boolean()) return Request::wrong("nearest", "true or false");
+  } else if (op == "input") {
+    if (Result<circuit::DeviceChange> r = circuit::read_device_change(text_of(request.json)); !r) return fail(std::move(r.error()));
   } else if (op != "pause" && op != "restart" && op != "release") {
     return fail(ErrorCode::unknown, "op", "There is no operation \"" + op + "\".", "See docs/studio-protocol.md for those that there are.");
   }
@@ -301,7 +305,8 @@ Result<void> Session::check_transport(const Request& request) const {
 }
 
 Result<void> Session::forward(const Request& request) {
-  const bool quiet = request.op == "drag";
+  const bool quiet = request.op == "drag" || request.op == "input";
+  if (request.op == "input") holder_ = request.client;
   if (!process_ && (quiet || request.op == "release" || request.op == "pause")) {
     if (!quiet) reply(request.client, request.reply_to, std::string());  // nothing runs: that is what was asked for
     return {};
@@ -411,6 +416,7 @@ void Session::on_interpreter_message(const std::string& text) {
     outbox_.broadcast(text);
     if (*event == "summary") summary_ = text;
     if (*event == "stopped") stopped_ = text;
+    if (*event == "devices") devices_ = text;
     if (*event == "transport") {
       transport_ = text;
       if (message.value("playing", false) || message.value("status", "") == "ready") stopped_.clear();
@@ -475,6 +481,12 @@ void Session::on_interpreter_end(const Problem& why) {
   transport["status"] = "stopped";
   transport_ = text_of(transport);
   outbox_.broadcast(transport_);
+}
+
+void Session::on_close(ClientId client) {
+  if (client != holder_) return;
+  holder_ = 0;
+  send_to_interpreter(R"({"op":"input","keyboard":[],"mouse":{},"gamepads":[]})", {}, {});
 }
 
 void Session::on_time() {

@@ -55,6 +55,8 @@ class Session {
   void stop();
   /// A message from a page (docs/studio-protocol.md). Whatever it is, it is answered.
   void on_message(ClientId client, std::string_view text);
+  /// A page went away: what its user held in hand is let go.
+  void on_close(ClientId client);
   /// To be called a few times a second: notices an interpreter that does not answer.
   void on_time();
   /// Tells every page that the library's entries changed.
@@ -127,6 +129,8 @@ class Session {
   std::vector<std::byte> executable_;            ///< the newest that could be generated
   std::set<std::string> listed_;                 ///< motions of the project that the library's list has
   std::string lsis_;                             ///< newest lsis event: what circuits may be made of
+  std::string devices_;                          ///< newest devices event: what the circuit reads of keyboard, mouse and gamepads
+  ClientId holder_ = 0;                          ///< page whose user holds something in hand; 0: none
   std::string stopped_;                          ///< newest stopped event, until it runs again; may be empty
   std::filesystem::file_time_type shelf_stamp_;  ///< of the installed libraries when the interpreter was lost
   std::string watch_;                            ///< newest request to watch the circuit, for a new interpreter; may be empty

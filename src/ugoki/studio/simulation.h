@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ugoki/base/result.h"
+#include "ugoki/circuit/devices.h"
 #include "ugoki/circuit/interpreter.h"
 #include "ugoki/mechanism/mechanism.h"
 #include "ugoki/spatial/vec3.h"
@@ -55,6 +56,10 @@ class Simulation {
   virtual void grab(int character, int link, const Vec3& point, const Vec3& target) = 0;  ///< point in the link's frame
   virtual void drag(const Vec3& target) = 0;
   virtual void release() = 0;
+  /// Keyboard, mouse and gamepads; they stay so until told otherwise.
+  virtual void hold(const circuit::DeviceState& /*state*/) {}
+  /// What the circuit reads of them; null: nothing.
+  [[nodiscard]] virtual const circuit::DeviceFeed* devices() const { return nullptr; }
 
   /// Of the cast, in its order; empty: distances cannot be shown.
   [[nodiscard]] virtual std::vector<MechanismPtr> mechanisms() const { return {}; }

@@ -123,7 +123,9 @@ class Studio::Impl final : public ServerEvents {
       finished();
     });
   }
-  void on_close(ClientId) override {}
+  void on_close(ClientId client) override {
+    session_queue_->post([this, client] { session_->on_close(client); });
+  }
   void on_api(ApiRequest request, std::function<void(ApiReply)> answer) override;
 
   [[nodiscard]] const Server& server() const { return *server_; }

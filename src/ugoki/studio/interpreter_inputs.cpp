@@ -1,0 +1,136 @@
+// What a user does while it runs: pulls, pushes, keyboard, mouse and gamepads. Each is recorded with its step, and given again there.
+
+#include <algorithm>
+
+#include "ugoki/base/number.h"
+#include "ugoki/studio/interpreter.h"
+
+namespace ugoki::studio {
+namespace {
+
+bool finite(const Vec3& v) { return is_finite(v) && norm(v) < 1e9; }
+
+}  // namespace
+
+Result<LiveInput> Interpreter::link_input(std::string_view character, std::string_view link) const {
+  if (Result<void> r = require_content(); !r) return fail(std::move(r.error()));
+  if (mode_ != PlayMode::simulate) {
+    return fail(ErrorCode::structure, "mode", "Bodies can be pulled and pushed in Simulate only.", "Switch to Simulate.");
+  }
+  const std::vector<CastMember>& cast = simulation_->cast();
+  const auto found = std::ranges::find(cast, character, &CastMember::id);
+  if (found == cast.end()) {
+    return fail(ErrorCode::unknown, "character", "No character is called \"" + std::string(character) + "\".",
+                "Name one of the scenario's characters.");
+  }
+  LiveInput input;
+  input.character = static_cast<int>(found - cast.begin());
+  const std::optional<long> index = parse_long(link);
+  input.link =
+      index ? (*index >= 0 && *index < found->links ? static_cast<int>(*index) : -1) : simulation_->find_link(input.character, link);
+  if (input.link < 0) {
+    return fail(ErrorCode::unknown, "link", "\"" + std::string(character) + "\" has no link \"" + std::string(link) + "\".",
+                "Give a link's index, name or label.");
+  }
+  return input;
+}
+
+Result<void> Interpreter::grab(std::string_view character, std::string_view link, const Vec3& point, const Vec3& target) {
+  Result<LiveInput> input = link_input(character, link);
+  if (!input) return fail(std::move(input.error()));
+  if (!finite(point) || !finite(target)) return fail(ErrorCode::range, "target", "Points must be finite.", "Give metres.");
+  input->type = LiveInput::Type::grab;
+  input->a = point;
+  input->b = target;
+  return live_input(*input);
+}
+
+Result<void> Interpreter::push(std::string_view character, std::string_view link, const Vec3& force, double duration) {
+  Result<LiveInput> input = link_input(character, link);
+  if (!input) return fail(std::move(input.error()));
+  if (!is_finite(force) || norm(force) > 1e5 || !(duration > 0 && duration <= 10)) {
+    return fail(ErrorCode::range, "force", "A push has at most 100 000 N and lasts at most 10 s.",
+                "Give the force in newton and the duration in seconds.");
+  }
+  input->type = LiveInput::Type::push;
+  input->a = force;
+  input->duration = duration;
+  return live_input(*input);
+}
+
+Result<void> Interpreter::drag(const Vec3& target) {
+  if (Result<void> r = require_content(); !r) return r;
+  if (!finite(target)) return fail(ErrorCode::range, "target", "Points must be finite.", "Give metres.");
+  const std::vector<LiveInput>& inputs = recording_->inputs();
+  const auto last = std::find_if(inputs.rbegin(), inputs.rend(), [](const LiveInput& i) { return i.type != LiveInput::Type::hold; });
+  if (mode_ != PlayMode::simulate || last == inputs.rend() || last->type == LiveInput::Type::release) return {};  // the grab is over
+  LiveInput input;
+  input.type = LiveInput::Type::drag;
+  input.a = target;
+  return live_input(input);
+}
+
+Result<void> Interpreter::release() {
+  if (Result<void> r = require_content(); !r) return r;
+  if (mode_ != PlayMode::simulate) return {};
+  LiveInput input;
+  input.type = LiveInput::Type::release;
+  return live_input(input);
+}
+
+Result<void> Interpreter::input(const circuit::DeviceChange& change) {
+  const circuit::DeviceState before = held_;
+  circuit::apply(change, held_);
+  const bool listens = simulation_ && simulation_->devices() && mode_ == PlayMode::simulate && playing_ && goal_ != Goal::seek;
+  if (!listens || shown_ >= head_time() - 0.5 * simulation_->step_size()) return {};  // the next step that is computed takes it
+  if (!simulation_->devices()->presses(before, held_)) return {};
+  if (Result<void> r = truncate(step_at(shown_)); !r) return r;
+  anchor();
+  return hold();
+}
+
+/// The circuit gets what the user holds, if it has something else.
+Result<void> Interpreter::hold() {
+  if (!simulation_->devices() || simulation_->devices()->has(held_)) return {};
+  LiveInput input;
+  input.type = LiveInput::Type::hold;
+  input.held = std::make_shared<const circuit::DeviceState>(held_);
+  return live_input(std::move(input));
+}
+
+Result<void> Interpreter::live_input(LiveInput input) {
+  if (goal_ == Goal::seek) {  // what was to be simulated first is not wanted any more
+    goal_ = Goal::none;
+    shown_ = head_time();
+    anchor();
+  }
+  if (shown_ < head_time() - 0.5 * simulation_->step_size()) {
+    if (Result<void> r = truncate(step_at(shown_)); !r) return r;
+    anchor();
+  }
+  recording_->truncate(simulation_->step_count() + 1);  // inputs of a future that did not come
+  apply_due_inputs();
+  input.step = simulation_->step_count();
+  recording_->add_input(input);
+  next_input_ = recording_->inputs().size();
+  apply(input);
+  if (!playing_) show_head();
+  return {};
+}
+
+void Interpreter::apply(const LiveInput& input) {
+  switch (input.type) {
+    case LiveInput::Type::push: simulation_->push(input.character, input.link, input.a, input.duration); break;
+    case LiveInput::Type::grab: simulation_->grab(input.character, input.link, input.a, input.b); break;
+    case LiveInput::Type::drag: simulation_->drag(input.a); break;
+    case LiveInput::Type::release: simulation_->release(); break;
+    case LiveInput::Type::hold: simulation_->hold(*input.held); break;
+  }
+}
+
+void Interpreter::apply_due_inputs() {
+  const std::vector<LiveInput>& inputs = recording_->inputs();
+  for (; next_input_ < inputs.size() && inputs[next_input_].step <= simulation_->step_count(); ++next_input_) apply(inputs[next_input_]);
+}
+
+}  // namespace ugoki::studio
