@@ -1,14 +1,15 @@
-// examples/lsi/spatial and examples/lsi/world: a circuit for each LSI of mathematics, rotations, mechanics and distances, which documents
-// and tests it. And what an example cannot show: impulses against the law of momentum, distances after a restore.
+// examples/lsi/spatial, world, closed and motion: a circuit for each LSI of mathematics, rotations, mechanics, distances and motions, which
+// documents and tests it. And what an example cannot show: impulses against the law of momentum, distances after a restore.
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <set>
 
-#include "small_world.h"
+#include "closed_world.h"
 #include "ugoki/circuit/example.h"
 #include "ugoki/lsi/payload.h"
+#include "walker.h"
 
 namespace ugoki::lsi {
 namespace {
@@ -17,21 +18,24 @@ namespace fs = std::filesystem;
 
 TEST(LsiExamples, EveryOneHasACircuitThatHolds) {
   const SmallWorld small;
+  const ClosedWorld closed;
+  const Walker walker;
   std::set<std::string> shown;
-  for (const char* folder : {"spatial", "world"}) {
+  for (const auto& [folder, world] : {std::pair{"spatial", small.world.get()}, std::pair{"world", small.world.get()},
+                                      std::pair{"closed", closed.world.get()}, std::pair{"motion", walker.world.get()}}) {
     for (const fs::directory_entry& e : fs::directory_iterator(std::string(UGOKI_SOURCE_DIR) + "/examples/lsi/" + folder)) {
       const std::string place = e.path().filename().string();
       std::ifstream in(e.path());
       const Result<circuit::Example> example = circuit::read_example(std::string((std::istreambuf_iterator<char>(in)), {}), place);
       ASSERT_TRUE(example) << example.error().text();
       EXPECT_FALSE(example->doc.empty()) << place;
-      const Result<void> holds = circuit::check_example(*example, standard_library(), place, small.world.get());
+      const Result<void> holds = circuit::check_example(*example, standard_library(), place, world);
       EXPECT_TRUE(holds) << holds.error().text();
       for (const circuit::Instance& lsi : example->circuit.lsis)
         if (lsi.type == example->circuit.name) shown.insert(lsi.type);
     }
   }
-  const std::set<std::string> groups = {"maths", "rotations and poses", "joint values", "mechanics", "collision"};
+  const std::set<std::string> groups = {"maths", "rotations and poses", "joint values", "mechanics", "collision", "motion"};
   for (const circuit::LsiClass& c : standard_library().classes())
     if (groups.contains(c.group)) EXPECT_TRUE(shown.contains(c.name)) << "no example shows '" << c.name << "'";
 }

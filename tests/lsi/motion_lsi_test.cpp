@@ -7,52 +7,24 @@
 
 #include "allocation_count.h"
 #include "small_world.h"
-#include "ugoki/body/body.h"
-#include "ugoki/motion_edit/edit.h"
 #include "ugoki/motion_edit/mirror.h"
-#include "ugoki/samples/samples.h"
+#include "ugoki/retarget/retarget.h"
+#include "walker.h"
 
 namespace ugoki::lsi {
 namespace {
 
-/// A human with two clips on its track: a walk and a quicker one.
-struct Walker {
-  MechanismPtr human;
-  std::shared_ptr<Motion> walk, fast;
-  std::unique_ptr<World> world;
-
-  Walker() {
-    const MeasuredMotion measured = samples::make_human_walk();
-    const body::Body body = body::make_body(measured, {.keep_unmoved = true}).value();
-    human = body.mechanism;
-    walk = std::make_shared<Motion>(body::to_motion(body, measured));
-    walk->cyclic = true;
-    fast = std::make_shared<Motion>(motion_edit::scale(*human, *walk, {.time = 0.8}).value());
-    CharacterSpec spec;
-    spec.id = "walker";
-    spec.mechanism = human;
-    for (const auto& motion : {walk, fast}) {
-      TrackClip clip;
-      clip.motion = motion;
-      clip.clip.start = spec.track.empty() ? 0 : 1;
-      clip.clip.length = 1;
-      spec.track.push_back(clip);
-    }
-    world = std::make_unique<World>(std::vector<CharacterSpec>{std::move(spec)}, std::vector<ScheduledEvent>{}, Vec3{0, 0, -9.81},
-                                    collision::Ground{});
-  }
-
-  /// A circuit of this LSI alone. @param input name of the pin that the circuit's input `in` feeds
-  [[nodiscard]] Result<circuit::Interpreter> build(const std::string& type, const std::string& parameters, const std::string& input) const {
-    const std::string text =
-        R"({"version": 1, "name": "one", "inputs": [{"name": "in", "type": "scalar", "to": "m.)" + input +
-        R"("}], "outputs": [{"name": "reference", "type": "motion", "from": "m.reference"}], "lsis": [{"id": "m", "type": ")" + type +
-        R"(", "parameters": {"character": "walker")" + parameters + "}}]}";
-    const auto circuit = circuit::read_circuit(text);
-    if (!circuit) return fail(circuit.error());
-    return circuit::Interpreter::build(*circuit, standard_library(), world.get(), {.dt = 0.01, .check_finite = true});
-  }
-};
+/// A circuit of this LSI alone. @param input name of the pin that the circuit's input `in` feeds
+Result<circuit::Interpreter> build(const Walker& w, const std::string& type, const std::string& parameters, const std::string& input,
+                                   const std::string& character = "walker") {
+  const std::string text =
+      R"({"version": 1, "name": "one", "inputs": [{"name": "in", "type": "scalar", "to": "m.)" + input +
+      R"("}], "outputs": [{"name": "reference", "type": "motion", "from": "m.reference"}], "lsis": [{"id": "m", "type": ")" + type +
+      R"(", "parameters": {"character": ")" + character + "\"" + parameters + "}}]}";
+  const auto circuit = circuit::read_circuit(text);
+  if (!circuit) return fail(circuit.error());
+  return circuit::Interpreter::build(*circuit, standard_library(), w.world.get(), {.dt = 0.01, .check_finite = true});
+}
 
 void set(circuit::Interpreter& i, double value) {
   const auto in = i.find_circuit_input("in");
@@ -85,7 +57,7 @@ TEST(MotionLsi, PlayWhatTheOperationGives) {
   };
   std::vector<double> q(static_cast<std::size_t>(m.nq()));
   for (const Case& c : cases) {
-    auto i = w.build(c.type, c.parameters, "time");
+    auto i = build(w, c.type, c.parameters, "time");
     ASSERT_TRUE(i) << c.type << ": " << i.error().text();
     for (const int frame : {0, 7, 30}) {
       set(*i, frame / c.expected.rate);
@@ -94,6 +66,28 @@ TEST(MotionLsi, PlayWhatTheOperationGives) {
       EXPECT_LT(off(m, numbers(*i, "reference"), q), 1e-9) << c.type;
     }
   }
+}
+
+TEST(MotionLsi, AnotherStructureDoesWhatRetargetingGives) {
+  const Walker w;
+  const Mechanism& m = *w.child;
+  const auto expected = retarget::retarget(w.human, *w.walk, w.child);
+  ASSERT_TRUE(expected) << expected.error().text();
+  auto i = build(w, "motion retarget", R"(, "from": "walker")", "time", "child");
+  ASSERT_TRUE(i) << i.error().text();
+  std::vector<double> q(static_cast<std::size_t>(m.nq()));
+  for (const int frame : {0, 11, 40}) {
+    set(*i, frame / expected->motion.rate);
+    ASSERT_TRUE(i->tick());
+    sample(expected->motion, m, frame / expected->motion.rate, q);
+    EXPECT_LT(off(m, numbers(*i, "reference"), q), 1e-9) << frame;
+  }
+  const auto refused = build(w, "motion retarget", R"(, "from": "nobody")", "time", "child");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().text().find("nobody"), std::string::npos);
+  const auto no_clip = build(w, "motion retarget", R"(, "from": "child")", "time", "walker");
+  ASSERT_FALSE(no_clip);
+  EXPECT_NE(no_clip.error().text().find("has 0 clips"), std::string::npos) << no_clip.error().text();
 }
 
 TEST(MotionLsi, EveryOperationIsBuiltAndPlays) {
@@ -114,7 +108,7 @@ TEST(MotionLsi, EveryOperationIsBuiltAndPlays) {
                                                         {"foot contacts", ""},
                                                         {"foot lock", ""},
                                                         {"motion reduce", ""}}) {
-    auto i = w.build(type, parameters, "time");
+    auto i = build(w, type, parameters, "time");
     ASSERT_TRUE(i) << type << ": " << i.error().text();
     set(*i, -1);
     for (int k = 0; k < 50; ++k) ASSERT_TRUE(i->tick()) << type;
@@ -129,7 +123,7 @@ TEST(MotionLsi, EveryOperationIsBuiltAndPlays) {
 TEST(MotionLsi, WhatCannotBeDoneIsRefusedWithPlaceAndRemedy) {
   const Walker w;
   const auto refused = [&](const std::string& type, const std::string& parameters, const std::string& word) {
-    const auto i = w.build(type, parameters, "time");
+    const auto i = build(w, type, parameters, "time");
     ASSERT_FALSE(i) << type;
     EXPECT_NE(i.error().text().find(word), std::string::npos) << i.error().text();
   };
@@ -141,7 +135,7 @@ TEST(MotionLsi, WhatCannotBeDoneIsRefusedWithPlaceAndRemedy) {
 
 TEST(IntermediateMotionLsi, FollowsItsWeightWithoutAJump) {
   const Walker w;
-  auto i = w.build("intermediate motion", "", "weight");
+  auto i = build(w, "intermediate motion", "", "weight");
   ASSERT_TRUE(i) << i.error().text();
   const Mechanism& m = *w.human;
   const auto nq = static_cast<std::size_t>(m.nq()), nv = static_cast<std::size_t>(m.nv());

@@ -61,6 +61,16 @@ class ClosedLinks {
   [[nodiscard]] double weakest() const { return weakest_; }
   /// The greatest least pivot of a factorization so far, as part of the greatest of its kind: small also where masses are very unequal.
   [[nodiscard]] double typical() const { return typical_; }
+  /// What is_nearly_singular() compares with, from factorizations so far: the only memory, for saving and restoring a simulation.
+  struct Memory {
+    double typical = 0;
+    int full_rank = 0;
+  };
+  [[nodiscard]] Memory memory() const { return {typical_, full_rank_}; }
+  void set_memory(const Memory& memory) {
+    typical_ = memory.typical;
+    full_rank_ = memory.full_rank;
+  }
   /// The freedom at which the last factorization found no inertia, or -1.
   [[nodiscard]] int singular_freedom() const { return singular_freedom_; }
   /// For each row of rows(): 1 if it took part in the last factorization as an independent one. [rows().count()]

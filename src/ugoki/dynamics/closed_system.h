@@ -44,6 +44,7 @@ class ClosedSystem : public OpenSystem {
 
   /// After calc_acceleration() its multipliers are the forces in the loops, after close() the impulses.
   [[nodiscard]] const ClosedLinks& links() const { return links_; }
+  void set_memory(const ClosedLinks::Memory& memory) { links_.set_memory(memory); }
 
  private:
   void rebuild(std::vector<Loop> loops, std::span<const char> closed, std::span<const char> rows = {});

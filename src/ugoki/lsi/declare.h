@@ -47,6 +47,7 @@ void add_display(circuit::Library& library);
 void add_maths(circuit::Library& library);
 void add_rotations_and_poses(circuit::Library& library);
 void add_mechanics(circuit::Library& library);
+void add_link_dynamics(circuit::Library& library);
 void add_distance(circuit::Library& library);
 
 }  // namespace ugoki::lsi

@@ -1,6 +1,9 @@
 // What a link system's state says: coordinates, poses of links, centre of mass, energy, inverse and forward dynamics.
 
+#include <memory>
+
 #include "ugoki/dynamics/centroidal.h"
+#include "ugoki/dynamics/closed_links.h"
 #include "ugoki/dynamics/dynamics.h"
 #include "ugoki/lsi/declare.h"
 #include "ugoki/mechanism/state.h"
@@ -18,6 +21,7 @@ struct Body {
   dynamics::Workspace workspace;
   std::vector<double> zero;  // [nv]
   int link = 0;
+  std::unique_ptr<dynamics::ClosedLinks> closed = nullptr;  // of forward dynamics with loops
 
   [[nodiscard]] const Mechanism& mechanism() const { return *character->mechanism; }
   void move_to(const double* state) {
@@ -29,7 +33,7 @@ void* make_body(Setup& s) {
   const Character* character = character_of(s);
   const World* world = world_of(s);
   if (!character || !world) return nullptr;
-  auto* body = new Body{character, world, dynamics::Workspace(*character->mechanism), {}, 0};
+  auto* body = new Body{character, world, dynamics::Workspace(*character->mechanism), {}};
   body->zero.assign(static_cast<std::size_t>(character->mechanism->nv()), 0.0);
   return body;
 }
@@ -112,9 +116,13 @@ std::int32_t inverse_dynamics(const Call* call) {
 std::int32_t forward_dynamics(const Call* call) {
   Body& body = object_of<Body>(call);
   const Character& who = *body.character;
-  const bool good =
-      dynamics::calc_forward_dynamics(body.mechanism(), body.workspace, q_of(who, input(call, 0)), v_of(who, input(call, 0)),
-                                      freedoms_in(call, 1, body), body.world->gravity(), {}, {output(call, 0), body.zero.size()});
+  const Mechanism& m = body.mechanism();
+  const auto q = q_of(who, input(call, 0)), v = v_of(who, input(call, 0)), tau = freedoms_in(call, 1, body);
+  const Vec3& gravity = body.world->gravity();
+  const std::span<double> out(output(call, 0), body.zero.size());
+  const bool good = body.closed
+                        ? dynamics::calc_closed_forward_dynamics(m, *body.closed, q, v, tau, gravity, {}, out) == dynamics::ClosedStatus::ok
+                        : dynamics::calc_forward_dynamics(m, body.workspace, q, v, tau, gravity, {}, out);
   return good ? 0 : circuit::stop(call, "Nothing resists motion at a joint: its inertia is not positive.");
 }
 
@@ -128,9 +136,9 @@ void configure_freedoms(Setup& s) {
     s.fail(ErrorCode::structure,
            "'" + who->id + "' has " + std::to_string(nv) + " freedoms; what is wired has " + std::to_string(s.in(1).count) + " numbers.",
            "Wire joint values of the same character.");
-  if (who->mechanism->has_loops())
-    s.fail(ErrorCode::unsupported, "'" + who->id + "' has closed loops, whose forces are not unique functions of the state here.",
-           "Use the LSI 'dynamics', which keeps loops closed.");
+  if (s.lsi_class().name == "inverse dynamics" && who->mechanism->has_loops())
+    s.fail(ErrorCode::unsupported, "'" + who->id + "' has closed loops: many joint forces give the same acceleration.",
+           "Take 'forward dynamics' or 'link dynamics', or a mechanism without loops.");
   s.set_out(0, World::payload_count(nv), who->index);
 }
 
@@ -189,9 +197,16 @@ void add_mechanics(circuit::Library& library) {
     circuit::LsiClass d =
         inverse ? about_character("inverse dynamics", "The joint forces that give this acceleration, gravity included; without contacts.",
                                   {in}, {output_pin("torque", PinTypeId::joint_values, "N | N m", "")}, inverse_dynamics)
-                : about_character("forward dynamics", "The acceleration that these joint forces give, gravity included; without contacts.",
+                : about_character("forward dynamics",
+                                  "The acceleration that these joint forces give, gravity and closed loops included; without contacts.",
                                   {in}, {output_pin("acceleration", PinTypeId::joint_values, "m/s^2 | rad/s^2", "")}, forward_dynamics);
     d.configure = configure_freedoms;
+    if (!inverse)
+      d.make = [](Setup& s) -> void* {
+        auto* body = static_cast<Body*>(make_body(s));
+        if (body && body->mechanism().has_loops()) body->closed = std::make_unique<dynamics::ClosedLinks>(body->mechanism());
+        return body;
+      };
     library.add(std::move(d));
   }
 }

@@ -279,18 +279,25 @@ void PlayedMotion::sample(double t, std::span<double> r) const {
   for (std::size_t k = 0; k < l.feet; ++k) r[l.stance() + k] = stance_[frame * l.feet + k] ? 1.0 : 0.0;
 }
 
+circuit::LsiClass played_motion_class(std::string name, std::string doc) {
+  circuit::LsiClass c;
+  c.name = std::move(name);
+  c.doc = std::move(doc);
+  c.group = "motion";
+  circuit::InputPin time =
+      input_pin("time", PinTypeId::scalar, "s", "Moment of the motion; below 0 or not wired: the time of the circuit.");
+  time.required = false;
+  time.value = -1;
+  c.inputs = {time};
+  c.outputs = {output_pin("reference", PinTypeId::motion, "", "What the character shall do: q, v, a, stance.")};
+  c.destroy = destroy<PlayedMotion>;
+  c.step = step;
+  return c;
+}
+
 void add_motion_operations(circuit::Library& library) {
   for (const Row& row : rows()) {
-    circuit::LsiClass c;
-    c.name = row.name;
-    c.doc = row.doc;
-    c.group = "motion";
-    circuit::InputPin time =
-        input_pin("time", PinTypeId::scalar, "s", "Moment of the motion; below 0 or not wired: the time of the circuit.");
-    time.required = false;
-    time.value = -1;
-    c.inputs = {time};
-    c.outputs = {output_pin("reference", PinTypeId::motion, "", "What the character shall do: q, v, a, stance.")};
+    circuit::LsiClass c = played_motion_class(row.name, row.doc);
     c.parameters = {character_parameter(), clip_parameter("clip", 0, "Clip of the character's track, counted from 0.")};
     if (row.pair) c.parameters.push_back(clip_parameter("second clip", 1, "The other clip."));
     c.parameters.insert(c.parameters.end(), row.parameters.begin(), row.parameters.end());
@@ -302,8 +309,6 @@ void add_motion_operations(circuit::Library& library) {
     }
     c.configure = configure;
     c.make = make;
-    c.destroy = destroy<PlayedMotion>;
-    c.step = step;
     library.add(std::move(c));
   }
 }

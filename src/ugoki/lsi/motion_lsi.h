@@ -38,7 +38,11 @@ class PlayedMotion {
   std::vector<std::uint8_t> stance_;  // [frames][feet]
 };
 
+/// An LSI whose object is a PlayedMotion: its pins and how it plays; parameters, configure and make are its own.
+[[nodiscard]] circuit::LsiClass played_motion_class(std::string name, std::string doc);
+
 void add_motion_operations(circuit::Library& library);
 void add_intermediate_motion(circuit::Library& library);
+void add_motion_retarget(circuit::Library& library);
 
 }  // namespace ugoki::lsi

@@ -19,11 +19,13 @@ const circuit::Library& standard_library() {
     add_status(all);
     add_motion_operations(all);
     add_intermediate_motion(all);
+    add_motion_retarget(all);
     add_naturalness(all);
     add_display(all);
     add_maths(all);
     add_rotations_and_poses(all);
     add_mechanics(all);
+    add_link_dynamics(all);
     add_distance(all);
     return all;
   }();
