@@ -2,127 +2,78 @@
 
 #include "ugoki/fmi/abi3.h"
 
-#include <cmath>
-#include <cstring>
-#include <exception>
-#include <optional>
-
-#include "registry.h"
-#include "session.h"
+#include "instance.h"
 
 namespace ugoki::fmu {
 namespace {
 
 using fmi::InterfaceType;
-using fmi::InterfaceVariable;
 
-struct Instance {
-  fmi3LogMessageCallback logger = nullptr;
-  fmi3InstanceEnvironment environment = nullptr;
-  std::unique_ptr<Session> session;
-  Registry<Snapshot> snapshots;
-  std::vector<std::string> texts;  // given out by GetString, valid until the next call
-  bool failed = false;
-
-  void log(fmi3Status status, const std::string& text) const {
-    if (logger) logger(environment, status, status == fmi3Warning ? "logStatusWarning" : "logStatusError", text.c_str());
-  }
-  fmi3Status refuse(const std::string& text) const {
-    log(fmi3Error, text);
-    return fmi3Error;
-  }
-};
-
-Registry<Instance>& instances() {
-  static Registry<Instance> all;
-  return all;
-}
-
-/// Nothing may be thrown into the other tool. @param function in the messages
-template <class Work>
-fmi3Status guarded(fmi3Instance instance, const char* function, Work work) {
-  Instance* self = instances().find(instance);
-  if (!self) return fmi3Error;
-  try {
-    return work(*self);
-  } catch (const std::exception& e) {
-    return self->refuse(std::string(function) + ": " + e.what());
-  }
-}
-
-fmi3Status done(const Instance& self, const std::string& bad) { return bad.empty() ? fmi3OK : self.refuse(bad); }
+fmi3Status status_of(bool good) { return good ? fmi3OK : fmi3Error; }
 
 fmi3Status unsupported(fmi3Instance instance, const char* function) {
-  return guarded(instance, function, [&](Instance& self) { return self.refuse(std::string(function) + " is not supported by this FMU."); });
+  return status_of(
+      guarded(instance, function, [&](Instance& self) { return self.refuse(std::string(function) + " is not supported by this FMU."); }));
+}
+fmi3Status accepted(fmi3Instance instance, const char* function) {
+  return status_of(guarded(instance, function, [](Instance&) { return true; }));
 }
 
-fmi3Status wrong_time(const Instance& self, const char* function) {
-  constexpr const char* names[] = {"before the initialization mode", "in the initialization mode", "in step mode", "after its end",
-                                   "after an error"};
-  return self.refuse(std::string(function) + " may not be called " +
-                     names[self.failed ? 4u : static_cast<std::size_t>(self.session->mode())] + ".");
-}
-
-bool in_mode(const Instance& self, std::initializer_list<Mode> modes) {
-  if (self.failed) return false;
-  for (const Mode m : modes)
-    if (self.session->mode() == m) return true;
-  return false;
-}
-
-/// The variable of a value reference, if it is of one of these types.
+/// The variable that begins at a value reference, if it is of one of these types.
 std::optional<std::size_t> find(const Instance& self, fmi3ValueReference reference, std::initializer_list<InterfaceType> types) {
-  const std::optional<std::size_t> i = self.session->find(reference);
-  if (!i || self.session->interface().variables[*i].reference != reference) return std::nullopt;
-  for (const InterfaceType t : types)
-    if (self.session->interface().variables[*i].type == t) return i;
-  return std::nullopt;
+  const std::optional<std::size_t> i = find_variable(self, reference, types);
+  return i && self.session->interface().variables[*i].reference == reference ? i : std::nullopt;
 }
 
-/// @param what types of variables; none: this FMU has no variable of the function's type
+/// Gives each of the variables as many of the `count` values as it has: work(variable, first value, numbers).
+template <class Work>
+bool for_variables(Instance& self, const char* function, std::initializer_list<InterfaceType> types,
+                   std::span<const fmi3ValueReference> references, std::size_t count, Work work) {
+  std::size_t at = 0;
+  std::vector<double> numbers;
+  for (const fmi3ValueReference reference : references) {
+    const std::optional<std::size_t> variable = find(self, reference, types);
+    if (!variable) return unknown_reference(self, function, reference);
+    numbers.resize(self.session->interface().variables[*variable].count);
+    if (at + numbers.size() > count) return self.refuse(std::string(function) + ": there are fewer values than the variables have.");
+    if (!self.done(work(*variable, at, numbers))) return false;
+    at += numbers.size();
+  }
+  return at == count || self.refuse(std::string(function) + ": there are more values than the variables have.");
+}
+
+/// @param types of variables; none: this FMU has no variable of the function's type
 template <class T>
 fmi3Status get(fmi3Instance instance, const char* function, std::initializer_list<InterfaceType> types,
                const fmi3ValueReference* references, std::size_t n, T* values, std::size_t count) {
-  return guarded(instance, function, [&](Instance& self) {
-    if (!in_mode(self, {Mode::initialization, Mode::stepping, Mode::terminated})) return wrong_time(self, function);
-    if (n > 0 && (!references || !values)) return self.refuse(std::string(function) + " is given a null pointer.");
-    std::size_t at = 0;
-    std::vector<double> numbers;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::optional<std::size_t> variable = find(self, references[i], types);
-      if (!variable)
-        return self.refuse(std::string(function) + ": no variable of this type has the value reference " + std::to_string(references[i]) +
-                           ".");
-      numbers.resize(self.session->interface().variables[*variable].count);
-      if (at + numbers.size() > count)
-        return self.refuse(std::string(function) + ": there is room for fewer values than the variables have.");
-      if (const std::string bad = self.session->get(*variable, 0, numbers); !bad.empty()) return self.refuse(bad);
-      for (const double x : numbers) values[at++] = static_cast<T>(x);
-    }
-    return at == count ? fmi3OK : self.refuse(std::string(function) + ": there is room for more values than the variables have.");
-  });
+  return status_of(guarded(instance, function, [&](Instance& self) {
+    const auto read = [&](std::size_t variable, std::size_t first, std::span<double> numbers) {
+      std::string bad = self.session->get(variable, 0, numbers);
+      if (bad.empty())
+        for (const double x : numbers) values[first++] = static_cast<T>(x);
+      return bad;
+    };
+    return may_get(self, function, n, references, values) && for_variables(self, function, types, {references, n}, count, read);
+  }));
 }
 
 template <class T>
 fmi3Status set(fmi3Instance instance, const char* function, std::initializer_list<InterfaceType> types,
                const fmi3ValueReference* references, std::size_t n, const T* values, std::size_t count) {
-  return guarded(instance, function, [&](Instance& self) {
-    if (!in_mode(self, {Mode::instantiated, Mode::initialization, Mode::stepping})) return wrong_time(self, function);
-    if (n > 0 && (!references || !values)) return self.refuse(std::string(function) + " is given a null pointer.");
-    std::size_t at = 0;
-    std::vector<double> numbers;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::optional<std::size_t> variable = find(self, references[i], types);
-      if (!variable)
-        return self.refuse(std::string(function) + ": no variable of this type has the value reference " + std::to_string(references[i]) +
-                           ".");
-      numbers.resize(self.session->interface().variables[*variable].count);
-      if (at + numbers.size() > count) return self.refuse(std::string(function) + ": there are fewer values than the variables have.");
-      for (double& x : numbers) x = static_cast<double>(values[at++]);
-      if (const std::string bad = self.session->set(*variable, 0, numbers); !bad.empty()) return self.refuse(bad);
-    }
-    return at == count ? fmi3OK : self.refuse(std::string(function) + ": there are more values than the variables have.");
-  });
+  return status_of(guarded(instance, function, [&](Instance& self) {
+    const auto write = [&](std::size_t variable, std::size_t first, std::span<double> numbers) {
+      for (double& x : numbers) x = static_cast<double>(values[first++]);
+      return self.session->set(variable, 0, numbers);
+    };
+    return may_set(self, function, n, references, values) && for_variables(self, function, types, {references, n}, count, write);
+  }));
+}
+
+/// Texts: as many as references.
+bool as_many(fmi3Instance instance, const char* function, std::size_t n, std::size_t m) {
+  return n == m || guarded(instance, function, [&](Instance& self) {
+           return self.refuse(std::string(function) + ": there are more or fewer values than the variables have.");
+         });
 }
 
 }  // namespace
@@ -141,8 +92,9 @@ UGOKI_FMI_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3S
                                                           fmi3IntermediateUpdateCallback) {
   try {
     auto self = std::make_unique<Instance>();
-    self->logger = logger;
-    self->environment = environment;
+    self->log = [logger, environment](const std::string& text) {
+      if (logger) logger(environment, fmi3Error, "logStatusError", text.c_str());
+    };
     std::string why;
     if (!name || !*name)
       why = "The instance has no name.";
@@ -150,13 +102,10 @@ UGOKI_FMI_EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3S
       why = "The instantiation token or the path of the resources is missing.";
     else if (required > 0)
       why = "This FMU has no intermediate variables.";
-    else
-      self->session = Session::open(resources, token, why);
-    if (self->session) return instances().add(std::move(self));
-    self->log(fmi3Error, why);
+    return instantiate(std::move(self), resources ? resources : "", token, std::move(why));
   } catch (const std::exception&) {  // memory
+    return nullptr;
   }
-  return nullptr;
 }
 UGOKI_FMI_EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
                                                            fmi3InstanceEnvironment environment, fmi3LogMessageCallback logger) {
@@ -172,42 +121,25 @@ UGOKI_FMI_EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3
 }
 UGOKI_FMI_EXPORT void fmi3FreeInstance(fmi3Instance c) { instances().remove(c); }
 UGOKI_FMI_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean, std::size_t, const fmi3String*) {
-  return guarded(c, "fmi3SetDebugLogging", [](Instance&) { return fmi3OK; });
+  return accepted(c, "fmi3SetDebugLogging");
 }
 
 UGOKI_FMI_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean, fmi3Float64, fmi3Float64 start, fmi3Boolean has_stop,
                                                         fmi3Float64 stop) {
-  return guarded(c, "fmi3EnterInitializationMode", [&](Instance& self) {
-    if (!in_mode(self, {Mode::instantiated})) return wrong_time(self, "fmi3EnterInitializationMode");
-    if (!std::isfinite(start) || (has_stop && !(stop >= start))) return self.refuse("The start or stop time is no time.");
-    self.session->set_experiment(start, has_stop ? std::optional(stop) : std::nullopt);
-    return done(self, self.session->enter_initialization());
-  });
+  return status_of(guarded(c, "fmi3EnterInitializationMode", [&](Instance& self) {
+    if (!self.in_mode({Mode::instantiated})) return self.wrong_time("fmi3EnterInitializationMode");
+    return set_experiment(self, start, has_stop, stop) && self.done(self.session->enter_initialization());
+  }));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
-  return guarded(c, "fmi3ExitInitializationMode", [](Instance& self) {
-    if (!in_mode(self, {Mode::initialization})) return wrong_time(self, "fmi3ExitInitializationMode");
-    const fmi3Status status = done(self, self.session->exit_initialization());
-    self.failed = status != fmi3OK;
-    return status;
-  });
+  return status_of(exit_initialization(c, "fmi3ExitInitializationMode"));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance c) { return unsupported(c, "fmi3EnterStepMode"); }
 UGOKI_FMI_EXPORT fmi3Status fmi3EnterEventMode(fmi3Instance c) { return unsupported(c, "fmi3EnterEventMode"); }
 UGOKI_FMI_EXPORT fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return unsupported(c, "fmi3EnterConfigurationMode"); }
 UGOKI_FMI_EXPORT fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { return unsupported(c, "fmi3ExitConfigurationMode"); }
-UGOKI_FMI_EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
-  return guarded(c, "fmi3Terminate", [](Instance& self) {
-    if (!in_mode(self, {Mode::stepping})) return wrong_time(self, "fmi3Terminate");
-    return done(self, self.session->terminate());
-  });
-}
-UGOKI_FMI_EXPORT fmi3Status fmi3Reset(fmi3Instance c) {
-  return guarded(c, "fmi3Reset", [](Instance& self) {
-    self.failed = false;
-    return done(self, self.session->reset());
-  });
-}
+UGOKI_FMI_EXPORT fmi3Status fmi3Terminate(fmi3Instance c) { return status_of(terminate(c, "fmi3Terminate")); }
+UGOKI_FMI_EXPORT fmi3Status fmi3Reset(fmi3Instance c) { return status_of(reset(c, "fmi3Reset")); }
 
 #define UGOKI_FMI_ACCESS(type, ...)                                                                                                     \
   UGOKI_FMI_EXPORT fmi3Status fmi3Get##type(fmi3Instance c, const fmi3ValueReference* r, std::size_t n, fmi3##type* v, std::size_t m) { \
@@ -230,38 +162,18 @@ UGOKI_FMI_ACCESS(UInt32)
 UGOKI_FMI_ACCESS(UInt64)
 
 UGOKI_FMI_EXPORT fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference* r, std::size_t n, fmi3String* v, std::size_t m) {
-  return guarded(c, "fmi3GetString", [&](Instance& self) {
-    if (!in_mode(self, {Mode::initialization, Mode::stepping, Mode::terminated})) return wrong_time(self, "fmi3GetString");
-    if (n != m || (n > 0 && (!r || !v))) return self.refuse("fmi3GetString is given a null pointer, or room for another number of texts.");
-    self.texts.assign(n, {});
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::optional<std::size_t> variable = find(self, r[i], {InterfaceType::text});
-      if (!variable) return self.refuse("fmi3GetString: no text has the value reference " + std::to_string(r[i]) + ".");
-      self.texts[i] = self.session->text(*variable);
-      v[i] = self.texts[i].c_str();
-    }
-    return fmi3OK;
-  });
+  return status_of(as_many(c, "fmi3GetString", n, m) && get_texts(c, "fmi3GetString", r, n, v));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference* r, std::size_t n, const fmi3String* v, std::size_t m) {
-  return guarded(c, "fmi3SetString", [&](Instance& self) {
-    if (!in_mode(self, {Mode::instantiated, Mode::initialization, Mode::stepping})) return wrong_time(self, "fmi3SetString");
-    if (n != m || (n > 0 && (!r || !v))) return self.refuse("fmi3SetString is given a null pointer, or another number of texts.");
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::optional<std::size_t> variable = find(self, r[i], {InterfaceType::text});
-      if (!variable || !v[i]) return self.refuse("fmi3SetString: no text has the value reference " + std::to_string(r[i]) + ".");
-      if (const std::string bad = self.session->set_text(*variable, v[i]); !bad.empty()) return self.refuse(bad);
-    }
-    return fmi3OK;
-  });
+  return status_of(as_many(c, "fmi3SetString", n, m) && set_texts(c, "fmi3SetString", r, n, v));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference*, std::size_t n, std::size_t*, fmi3Binary*,
                                           std::size_t) {
-  return n == 0 ? guarded(c, "fmi3GetBinary", [](Instance&) { return fmi3OK; }) : unsupported(c, "fmi3GetBinary");
+  return n == 0 ? accepted(c, "fmi3GetBinary") : unsupported(c, "fmi3GetBinary");
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference*, std::size_t n, const std::size_t*, const fmi3Binary*,
                                           std::size_t) {
-  return n == 0 ? guarded(c, "fmi3SetBinary", [](Instance&) { return fmi3OK; }) : unsupported(c, "fmi3SetBinary");
+  return n == 0 ? accepted(c, "fmi3SetBinary") : unsupported(c, "fmi3SetBinary");
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference*, std::size_t, fmi3Clock*) {
   return unsupported(c, "fmi3GetClock");
@@ -272,73 +184,30 @@ UGOKI_FMI_EXPORT fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReferenc
 
 UGOKI_FMI_EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 now, fmi3Float64 size, fmi3Boolean, fmi3Boolean* event,
                                        fmi3Boolean* terminate, fmi3Boolean* early, fmi3Float64* last) {
-  return guarded(c, "fmi3DoStep", [&](Instance& self) {
-    if (!in_mode(self, {Mode::stepping})) return wrong_time(self, "fmi3DoStep");
-    const fmi3Status status = done(self, self.session->step(now, size));
-    self.failed = self.session->is_broken();
-    for (fmi3Boolean* flag : {event, terminate, early})
-      if (flag) *flag = false;
-    if (last) *last = self.session->now();
-    return status;
-  });
+  const bool good = step(c, "fmi3DoStep", now, size);
+  for (fmi3Boolean* flag : {event, terminate, early})
+    if (flag) *flag = false;
+  if (last) (void)guarded(c, "fmi3DoStep", [&](Instance& self) { return (*last = self.session->now(), true); });
+  return status_of(good);
 }
 
 UGOKI_FMI_EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState* state) {
-  return guarded(c, "fmi3GetFMUState", [&](Instance& self) {
-    if (!state || self.failed) return self.refuse("fmi3GetFMUState may not be called now.");
-    auto copy = std::make_unique<Snapshot>();
-    if (const std::string bad = self.session->save(*copy); !bad.empty()) return self.refuse(bad);
-    if (Snapshot* known = *state ? self.snapshots.find(*state) : nullptr)
-      *known = std::move(*copy);
-    else
-      *state = self.snapshots.add(std::move(copy));
-    return fmi3OK;
-  });
+  return status_of(get_state(c, "fmi3GetFMUState", state));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
-  return guarded(c, "fmi3SetFMUState", [&](Instance& self) {
-    const Snapshot* known = self.snapshots.find(state);
-    if (!known) return self.refuse("This is no saved state of this instance.");
-    const fmi3Status status = done(self, self.session->load(*known));
-    self.failed = status != fmi3OK;
-    return status;
-  });
+  return status_of(set_state(c, "fmi3SetFMUState", state));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState* state) {
-  return guarded(c, "fmi3FreeFMUState", [&](Instance& self) {
-    if (!state || !*state) return fmi3OK;
-    if (!self.snapshots.find(*state)) return self.refuse("This is no saved state of this instance.");
-    self.snapshots.remove(*state);
-    *state = nullptr;
-    return fmi3OK;
-  });
+  return status_of(free_state(c, "fmi3FreeFMUState", state));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, std::size_t* size) {
-  return guarded(c, "fmi3SerializedFMUStateSize", [&](Instance& self) {
-    const Snapshot* known = self.snapshots.find(state);
-    if (!known || !size) return self.refuse("This is no saved state of this instance.");
-    *size = known->to_bytes().size();
-    return fmi3OK;
-  });
+  return status_of(size_of_state(c, "fmi3SerializedFMUStateSize", state, size));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte* to, std::size_t size) {
-  return guarded(c, "fmi3SerializeFMUState", [&](Instance& self) {
-    const Snapshot* known = self.snapshots.find(state);
-    if (!known || !to) return self.refuse("This is no saved state of this instance.");
-    const std::vector<std::byte> bytes = known->to_bytes();
-    if (size < bytes.size()) return self.refuse("The room for the saved state is too small.");
-    std::memcpy(to, bytes.data(), bytes.size());
-    return fmi3OK;
-  });
+  return status_of(write_state(c, "fmi3SerializeFMUState", state, {reinterpret_cast<std::byte*>(to), size}));
 }
 UGOKI_FMI_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte* from, std::size_t size, fmi3FMUState* state) {
-  return guarded(c, "fmi3DeserializeFMUState", [&](Instance& self) {
-    auto copy = std::make_unique<Snapshot>();
-    if (!from || !state || !copy->from_bytes({reinterpret_cast<const std::byte*>(from), size}, self.session->interface().variables.size()))
-      return self.refuse("These bytes are no saved state of this FMU.");
-    *state = self.snapshots.add(std::move(copy));
-    return fmi3OK;
-  });
+  return status_of(read_state(c, "fmi3DeserializeFMUState", {reinterpret_cast<const std::byte*>(from), size}, state));
 }
 
 // What co-simulation of this FMU does not have, and the other interface types.

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "ugoki/base/number.h"
-#include "ugoki/circuit/signal_lsis.h"
 #include "ugoki/files/files.h"
 #include "ugoki/fmi/export.h"
 #include "ugoki/json/json.h"
@@ -18,15 +18,6 @@ using fmi::InterfaceType;
 using fmi::InterfaceVariable;
 
 constexpr double slack = 1e-6;  // of a tick: times of other tools are sums of steps
-
-const circuit::Library& signal_library() {
-  static const circuit::Library library = [] {
-    circuit::Library all;
-    circuit::add_signal_lsis(all);
-    return all;
-  }();
-  return library;
-}
 
 std::string first_problem(const Error& error) {
   const Problem& p = error.problems[0];
@@ -127,9 +118,13 @@ std::unique_ptr<Session> Session::open(const std::string& resources, std::string
   Result<circuit::Circuit> read = circuit::read_circuit(*circuit, fmi::circuit_file);
   if (!read) return refuse(first_problem(read.error()));
   s->circuit_ = std::move(*read);
-  Result<circuit::Interpreter> built = circuit::Interpreter::build(s->circuit_, signal_library(), nullptr, {.dt = s->dt_});
+  const Result<std::string> content = std::filesystem::exists(path(fmi::content_file)) ? files::read_file(path(fmi::content_file)) : "";
+  if (!content) return refuse(first_problem(content.error()));
+  s->content_ = packed_content(*content, why);
+  if (!why.empty()) return nullptr;
+  Result<circuit::Interpreter> built = circuit::Interpreter::build(s->circuit_, packed_library(), s->content_.get(), {.dt = s->dt_});
   if (!built) return refuse(first_problem(built.error()));
-  s->interface_ = fmi::make_interface(s->circuit_, signal_library(), *built);
+  s->interface_ = fmi::make_interface(s->circuit_, packed_library(), *built);
   std::size_t seen = 0;
   for (const InterfaceVariable& v : s->interface_.variables) {
     s->seen_at_.push_back(seen);
@@ -212,7 +207,7 @@ std::string Session::build() {
   }
   running_.reset();
   ahead_ = fresh_ = false;
-  Result<circuit::Interpreter> built = circuit::Interpreter::build(circuit, signal_library(), nullptr, {.dt = dt_});
+  Result<circuit::Interpreter> built = circuit::Interpreter::build(circuit, packed_library(), content_.get(), {.dt = dt_});
   if (!built) return first_problem(built.error());
   running_.emplace(std::move(*built));
   std::vector<std::string> pins;

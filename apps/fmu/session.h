@@ -7,9 +7,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ugoki/circuit/interpreter.h"
+#include "ugoki/circuit/resources.h"
 #include "ugoki/fmi/interface.h"
 
 namespace ugoki::fmu {
@@ -31,12 +33,17 @@ struct Snapshot {
   [[nodiscard]] bool from_bytes(std::span<const std::byte> bytes, std::size_t variables);
 };
 
+/// The LSIs that this binary has (signals.cpp or content.cpp).
+[[nodiscard]] const circuit::Library& packed_library();
+/// What they work on. @param bytes of content.ugx; empty: the FMU has none @return null without content, or with a sentence in `why`
+[[nodiscard]] std::unique_ptr<circuit::Resources> packed_content(std::string_view bytes, std::string& why);
+
 /// Inputs are held over the ticks of a communication step; outputs are those of the tick at the communication point, computed when somebody
 /// asks for them: that tick is then either kept by the next step, or undone because an input has changed.
 /// Functions that can fail return a sentence; empty: done.
 class Session {
  public:
-  /// @param resources folder with circuit.json and run.json @return null with a sentence in `why`
+  /// @param resources folder with circuit.json, run.json and perhaps content.ugx @return null with a sentence in `why`
   [[nodiscard]] static std::unique_ptr<Session> open(const std::string& resources, std::string_view token, std::string& why);
 
   [[nodiscard]] Mode mode() const { return mode_; }
@@ -75,6 +82,7 @@ class Session {
   [[nodiscard]] std::uint64_t ticks_until(double time, bool& due) const;
 
   circuit::Circuit circuit_;
+  std::unique_ptr<circuit::Resources> content_;
   double dt_ = 0.001;
   fmi::Interface interface_;
   std::vector<std::size_t> seen_at_;  // [variables] where an output's numbers lie in seen_

@@ -17,6 +17,11 @@ namespace {
 using store::Library;
 using store::LibraryEntry;
 
+std::vector<std::byte> bytes_of(std::string_view text) {
+  const auto* p = reinterpret_cast<const std::byte*>(text.data());
+  return {p, p + text.size()};
+}
+
 int export_entry(const Options& options) {
   return with_library(options, Access::read, [&](Library& library) -> Result<void> {
     const Result<LibraryEntry> entry = library.resolve(options.entry);
@@ -28,9 +33,7 @@ int export_entry(const Options& options) {
     if (entry->kind == store::EntryKind::measured) {
       const Result<MeasuredMotion> measured = formats::read_measured_motion(*data, "library entry " + entry->id);
       if (!measured) return fail(measured.error());
-      const std::string text = formats::write_bvh(*measured);
-      const auto* p = reinterpret_cast<const std::byte*>(text.data());
-      *data = {p, p + text.size()};
+      *data = bytes_of(formats::write_bvh(*measured));
       form = "BVH";
     }
     if (Result<void> written = files::write_file(options.file, std::span<const std::byte>(*data)); !written) return written;
@@ -150,8 +153,7 @@ int add(const Options& options) {
   const std::string file = options.file.substr(options.file.find_last_of('/') + 1);
   item.name = options.name.empty() ? file.substr(0, file.rfind('.')) : options.name;
   item.summary = json::to_text({{"source", file}});
-  const auto* p = reinterpret_cast<const std::byte*>(text->data());
-  item.data = {p, p + text->size()};
+  item.data = bytes_of(*text);
   return put_entry(options, std::move(item));
 }
 
@@ -171,9 +173,7 @@ int collect(const Options& options) {
   });
   if (status != 0) return status;
   item.summary = json::to_text({{"entries", list.size()}});
-  const std::string text = json::to_text(list);
-  const auto* p = reinterpret_cast<const std::byte*>(text.data());
-  item.data = {p, p + text.size()};
+  item.data = bytes_of(json::to_text(list));
   Options plain = options;
   plain.tags.clear();  // they chose the entries
   return put_entry(plain, std::move(item));

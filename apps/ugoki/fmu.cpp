@@ -2,9 +2,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "fmu_binary.h"
 #include "ugoki/circuit/class_json.h"
+#include "ugoki/content/player.h"
 #include "ugoki/files/files.h"
 #include "ugoki/fmi/export.h"
 #include "ugoki/fmi/load.h"
@@ -15,8 +17,8 @@ namespace ugoki::cli {
 namespace {
 
 struct Options {
-  std::string circuit, output, shelf;
-  double dt = 0.001;
+  std::string circuit, output, shelf, content;
+  double dt = 0;
   int version = 3;
   bool json = false;
 };
@@ -29,8 +31,21 @@ int run_export(const Options& o) {
   std::vector<circuit::LsiClass> installed;
   for (const plugin::ShelfEntry& e : plugin::read_shelf(o.shelf.empty() ? plugin::default_shelf() : o.shelf))
     installed.insert(installed.end(), e.classes.begin(), e.classes.end());
-  const Result<fmi::Exported> out =
-      fmi::export_fmu(*circuit, lsi::standard_library(), installed, {.version = o.version, .dt = o.dt, .binary = fmu_binary()});
+  fmi::ExportRequest request{.version = o.version, .dt = o.dt > 0 ? o.dt : 0.001, .binary = fmu_binary(false)};
+  std::string bytes;
+  std::optional<lsi::World> world;
+  if (!o.content.empty()) {
+    Result<std::string> read = files::read_file(o.content);
+    if (!read) return print_error(read.error(), o.json);
+    bytes = std::move(*read);
+    const Result<content::Executable> content = content::read_executable(std::as_bytes(std::span(bytes)), o.content);
+    if (!content) return print_error(content.error(), o.json);
+    request.resources = &world.emplace(content::make_world(*content));
+    request.content = bytes;
+    request.binary = fmu_binary(true);
+    if (!(o.dt > 0)) request.dt = content->step;
+  }
+  const Result<fmi::Exported> out = fmi::export_fmu(*circuit, lsi::standard_library(), installed, request);
   if (!out) return print_error(out.error(), o.json);
   if (Result<void> done = files::write_file(o.output, std::string_view(out->bytes)); !done) return print_error(done.error(), o.json);
   if (o.json) {
@@ -38,7 +53,7 @@ int run_export(const Options& o) {
                 {"fmi", o.version},
                 {"model_identifier", out->identifier},
                 {"bytes", out->bytes.size()},
-                {"step_s", o.dt},
+                {"step_s", request.dt},
                 {"inputs", out->inputs},
                 {"outputs", out->outputs},
                 {"parameters", out->parameters},
@@ -100,7 +115,9 @@ void add_export_fmu(CLI::App& circuit_verb, Action& action) {
   sub->add_option("circuit", options->circuit, "The circuit, *.json")->required();
   sub->add_option("output", options->output, "The FMU to write, *.fmu")->required();
   sub->add_option("--fmi", options->version, "Version of the standard")->check(CLI::IsMember({2, 3}))->capture_default_str();
-  sub->add_option("--dt", options->dt, "Seconds between ticks of the circuit")->check(CLI::Range(1e-9, 1e6))->capture_default_str();
+  sub->add_option("--dt", options->dt, "Seconds between ticks of the circuit (otherwise the content's step, or 0.001)")
+      ->check(CLI::Range(1e-9, 1e6));
+  sub->add_option("--content", options->content, "Executable data, *.ugx: the mechanisms and motions that the circuit's LSIs work on");
   sub->add_option("--shelf", options->shelf, "Folder of installed libraries (default: $UGOKI_LSI or ~/.local/share/ugoki/lsi)");
   sub->add_flag("--json", options->json, "Print one JSON object");
   sub->footer("Example:\n  ugoki circuit export-fmu pendulum.json pendulum.fmu --fmi 2 --dt 0.002");

@@ -6,16 +6,23 @@ asm(R"(
 ugoki_fmu_begin:
   .incbin ")" UGOKI_FMU_BINARY R"("
 ugoki_fmu_end:
+  .balign 16
+ugoki_fmu_content_begin:
+  .incbin ")" UGOKI_FMU_CONTENT_BINARY R"("
+ugoki_fmu_content_end:
   .previous
 )");
 
+#define UGOKI_HIDDEN __attribute__((visibility("hidden")))
 extern "C" {
-extern const char ugoki_fmu_begin[] __attribute__((visibility("hidden")));
-extern const char ugoki_fmu_end[] __attribute__((visibility("hidden")));
+extern const char ugoki_fmu_begin[] UGOKI_HIDDEN, ugoki_fmu_end[] UGOKI_HIDDEN;
+extern const char ugoki_fmu_content_begin[] UGOKI_HIDDEN, ugoki_fmu_content_end[] UGOKI_HIDDEN;
 }
 
 namespace ugoki::cli {
 
-std::string_view fmu_binary() { return {ugoki_fmu_begin, static_cast<std::size_t>(ugoki_fmu_end - ugoki_fmu_begin)}; }
+std::string_view fmu_binary(bool with_content) {
+  return with_content ? std::string_view(ugoki_fmu_content_begin, ugoki_fmu_content_end) : std::string_view(ugoki_fmu_begin, ugoki_fmu_end);
+}
 
 }  // namespace ugoki::cli

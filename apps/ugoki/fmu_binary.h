@@ -5,6 +5,6 @@
 
 namespace ugoki::cli {
 
-[[nodiscard]] std::string_view fmu_binary();
+[[nodiscard]] std::string_view fmu_binary(bool with_content);
 
 }  // namespace ugoki::cli

@@ -1,14 +1,8 @@
 // FMUs, as a user meets them: exported, looked at, installed by consent, run in a guarded process, named when they misbehave.
 
-#include <gtest/gtest.h>
-#include <stdlib.h>
-
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "program.h"
+#include "shelf_test.h"
 #include "ugoki/fmi/archive.h"
 
 namespace ugoki::cli {
@@ -17,38 +11,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class FmuCliTest : public ::testing::Test {
+class FmuCliTest : public ShelfTest {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "ugoki-fmu-cli-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  Output ugoki(const std::vector<std::string>& arguments) const { return run_program(arguments, {"UGOKI_LSI=" + folder_ + "/shelf"}); }
-  Json json(std::vector<std::string> arguments) const {
-    arguments.emplace_back("--json");
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 0) << o.out << o.err;
-    Json j = Json::parse(o.out, nullptr, false);
-    EXPECT_FALSE(j.is_discarded()) << o.out;
-    return j;
-  }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
-    return folder_ + "/" + name;
-  }
   static std::string read(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     std::ostringstream out;
     out << in.rdbuf();
     return out.str();
-  }
-  /// @return the error's text
-  std::string fails(const std::vector<std::string>& arguments) const {
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 1) << o.out;
-    return o.err;
   }
   std::string naughty(int version) const {
     const std::string number = std::to_string(version);
@@ -60,7 +29,6 @@ class FmuCliTest : public ::testing::Test {
     EXPECT_TRUE(bytes);
     return write("naughty" + number + ".fmu", *bytes);
   }
-  std::string folder_;
 };
 
 constexpr const char* oscillator = R"({"version": 1, "name": "oscillator",
@@ -107,6 +75,41 @@ TEST_F(FmuCliTest, ExportedInstalledRunAndRemoved) {
     EXPECT_EQ(ugoki({"lsi", "remove", "oscillator"}).status, 0);
     EXPECT_EQ(json({"lsi", "list"})["libraries"].size(), 0u);
     EXPECT_TRUE(fs::is_empty(folder_ + "/shelf"));
+  }
+}
+
+/// The ball of the sample content, left to itself without contacts; and the height that the walker's motion asks for, mirrored.
+constexpr const char* falling = R"({"version": 1, "name": "falling",
+  "outputs": [{"name": "z", "type": "scalar", "from": "xyz.z"}, {"name": "height", "type": "scalar", "from": "root.out"}],
+  "lsis": [{"id": "now", "type": "status"}, {"id": "fall", "type": "link dynamics", "parameters": {"character": "ball"}},
+           {"id": "ball", "type": "link pose", "parameters": {"character": "ball"}}, {"id": "parts", "type": "split pose"}, {"id": "xyz", "type": "split vector"},
+           {"id": "mirror", "type": "motion mirror", "parameters": {"character": "human"}},
+           {"id": "q", "type": "split reference", "parameters": {"character": "human"}}, {"id": "root", "type": "joint value", "parameters": {"index": 2}}],
+  "wires": [{"from": "now.state", "to": "fall.state"}, {"from": "fall.next", "to": "now.next"}, {"from": "fall.next", "to": "ball.state"},
+            {"from": "ball.pose", "to": "parts.in"}, {"from": "parts.position", "to": "xyz.in"}, {"from": "mirror.reference", "to": "q.reference"},
+            {"from": "q.q", "to": "root.in"}]})";
+
+TEST_F(FmuCliTest, ACircuitThatWorksOnContentCarriesIt) {
+  const std::string circuit = write("falling.json", falling), park = folder_ + "/park.ugoki", content = folder_ + "/park.ugx";
+  ASSERT_EQ(ugoki({"new", park}).status, 0);
+  ASSERT_EQ(ugoki({"run", park, "--ugx", content, "--duration", "0.1"}).status, 0);
+  EXPECT_NE(fails({"circuit", "export-fmu", circuit, folder_ + "/x.fmu"}).find("--content FILE.ugx"), std::string::npos);
+  EXPECT_NE(fails({"circuit", "export-fmu", circuit, folder_ + "/x.fmu", "--content", circuit}).find("falling.json"), std::string::npos);
+  const std::string fmu = folder_ + "/falling.fmu";
+  const std::string user = write("user.json", R"({"version": 1, "name": "user", "outputs": [{"name": "z", "type": "scalar", "from": "u.z"},
+      {"name": "height", "type": "scalar", "from": "u.height"}], "lsis": [{"id": "u", "type": "falling/falling"}]})");
+  for (const char* version : {"2", "3"}) {
+    const Json made = json({"circuit", "export-fmu", circuit, fmu, "--fmi", version, "--content", content});
+    EXPECT_EQ(made["step_s"], 0.002) << "the content's";
+    json({"lsi", "install", fmu, "--yes"});
+    const auto at = [&](const char* time) { return json({"circuit", "run", user, "--dt", "0.002", "--duration", time})["outputs"]; };
+    const Json a = at("0.1"), b = at("0.2"), c = at("0.3");
+    const auto z = [](const Json& j) { return j["z"].get<double>(); };
+    EXPECT_NEAR(z(a) - 2 * z(b) + z(c), -9.81 * 0.1 * 0.1, 1e-9) << "it falls";
+    EXPECT_GT(a["height"], 0.7);
+    EXPECT_LT(a["height"], 1.2);
+    EXPECT_NE(a["height"], b["height"]);
+    EXPECT_EQ(ugoki({"lsi", "remove", "falling"}).status, 0);
   }
 }
 

@@ -1,13 +1,6 @@
 // `ugoki lsi` and `ugoki circuit`, as a user meets them.
 
-#include <gtest/gtest.h>
-#include <stdlib.h>
-
-#include <filesystem>
-#include <fstream>
-#include <nlohmann/json.hpp>
-
-#include "program.h"
+#include "shelf_test.h"
 
 namespace ugoki::cli {
 namespace {
@@ -15,34 +8,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class LsiCliTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "ugoki-lsi-cli-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  Output ugoki(const std::vector<std::string>& arguments) const { return run_program(arguments, {"UGOKI_LSI=" + folder_ + "/shelf"}); }
-  Json json(std::vector<std::string> arguments) const {
-    arguments.emplace_back("--json");
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 0) << o.out << o.err;
-    Json j = Json::parse(o.out, nullptr, false);
-    EXPECT_FALSE(j.is_discarded()) << o.out;
-    return j;
-  }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ + "/" + name, std::ios::binary) << text;
-    return folder_ + "/" + name;
-  }
-  void fails(const std::vector<std::string>& arguments, const std::string& part) const {
-    const Output o = ugoki(arguments);
-    EXPECT_EQ(o.status, 1) << o.out;
-    EXPECT_NE(o.err.find(part), std::string::npos) << o.err;
-  }
-  std::string folder_;
-};
+class LsiCliTest : public ShelfTest {};
 
 TEST_F(LsiCliTest, ANewLibraryBuildsAndPassesItsTest) {
   for (const char* language : {"", "--cpp"}) {

@@ -1,17 +1,10 @@
 #pragma once
-// What the tests of FMUs share: a folder of their own, FMUs packed from the units, and circuits with them.
+// What the tests of FMUs share: FMUs packed from the units, and circuits with them.
 
-#include <gtest/gtest.h>
-#include <stdlib.h>
-
-#include <filesystem>
-#include <fstream>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "ugoki/circuit/interpreter.h"
-#include "ugoki/circuit/signal_lsis.h"
+#include "../plugin/folder_test.h"
 #include "ugoki/files/files.h"
 #include "ugoki/fmi/archive.h"
 #include "ugoki/plugin/live_library.h"
@@ -30,22 +23,10 @@ inline std::string code_of(const std::string& model, int version) {
   return text_of(std::string(UGOKI_UNITS) + "/ugoki_unit_" + model + "_" + std::to_string(version) + ".so");
 }
 
-class FmiTest : public ::testing::Test {
+class FmiTest : public plugin::FolderTest {
  protected:
   using Files = std::vector<std::pair<std::string, std::string>>;
 
-  void SetUp() override {
-    std::string name = (std::filesystem::temp_directory_path() / "ugoki-fmi-test-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    circuit::add_signal_lsis(signals_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ + "/" + name, std::ios::binary) << bytes;
-    return folder_ + "/" + name;
-  }
   std::string pack(const std::string& name, const Files& files) const {
     const Result<std::string> bytes = write_archive(files, name);
     EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().text());
@@ -61,11 +42,6 @@ class FmiTest : public ::testing::Test {
   }
   plugin::LiveLibrary library(const std::string& fmu) const { return plugin::LiveLibrary(signals_, {}, {fmu}); }
 
-  static circuit::Circuit parse(const std::string& text) {
-    auto c = circuit::read_circuit(text);
-    EXPECT_TRUE(c) << (c ? "" : c.error().text());
-    return c ? *c : circuit::Circuit{};
-  }
   /// A circuit of one LSI, "u". @param rest of the instance, of the circuit
   static circuit::Circuit alone(const std::string& type, const std::string& rest = {}, const std::string& of_circuit = {}) {
     return parse(R"({"version": 1, "name": "test", "lsis": [{"id": "u", "type": ")" + type + "\"" + rest + "}]" + of_circuit + "}");
@@ -73,14 +49,6 @@ class FmiTest : public ::testing::Test {
   static Result<circuit::Interpreter> build(const circuit::Circuit& c, const plugin::LiveLibrary& live, double dt) {
     return circuit::Interpreter::build(c, *live.library(), nullptr, {.dt = dt});
   }
-  static double value(const circuit::Interpreter& i, const std::string& pin) {
-    const auto view = i.find_output(pin);
-    EXPECT_TRUE(view) << pin;
-    return view ? view->numbers()[0] : -1e99;
-  }
-
-  std::string folder_;
-  circuit::Library signals_;
 };
 
 }  // namespace ugoki::fmi

@@ -42,23 +42,23 @@ std::string token_of(const std::string& content) {
 }
 
 /// The LSIs that the binary has; the others need content, or are native code of somebody else.
-Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library& library, const circuit::Library& signals,
+Result<void> check_lsis(const circuit::Circuit& circuit, const circuit::Library& library, const circuit::Library& packed,
                         const std::vector<circuit::LsiClass>& installed) {
   circuit::Library all = library;
   for (const circuit::LsiClass& c : installed)
     if (!all.has(c.name)) all.add(c);
   Error ignored, problems;
   for (const circuit::FlatLsi& lsi : circuit::flatten(circuit, all, ignored).lsis) {
-    if (!lsi.lsi_class || lsi.id.starts_with("input:") || signals.has(lsi.lsi_class->name)) continue;
+    if (!lsi.lsi_class || lsi.id.starts_with("input:") || packed.has(lsi.lsi_class->name)) continue;
     if (!lsi.lsi_class->from.empty())
       problems.add(ErrorCode::unsupported, lsi.place,
                    "'" + lsi.id + "' is of the installed library '" + lsi.lsi_class->from + "'. Its native code is not packed into an FMU.",
                    "Export the circuit without it, and wire its part in the other tool; or build it of the program's own LSIs.");
     else
-      problems.add(ErrorCode::unsupported, lsi.place,
-                   "'" + lsi.id + "' (LSI '" + lsi.lsi_class->name +
-                       "') works on the mechanisms and motions of content, which an FMU does not carry.",
-                   "Export the circuit without it; `ugoki run` plays content.");
+      problems.add(
+          ErrorCode::unsupported, lsi.place,
+          "'" + lsi.id + "' (LSI '" + lsi.lsi_class->name + "') works on the mechanisms and motions of content, and none was given.",
+          "Give content with --content FILE.ugx; `ugoki run PROJECT --ugx FILE.ugx` writes it.");
   }
   if (!problems.empty()) return fail(std::move(problems));
   return {};
@@ -70,23 +70,26 @@ Result<Exported> export_fmu(const circuit::Circuit& circuit, const circuit::Libr
                             const std::vector<circuit::LsiClass>& installed, const ExportRequest& request) {
   circuit::Library signals;
   circuit::add_signal_lsis(signals);
-  if (Result<void> own = check_lsis(circuit, library, signals, installed); !own) return fail(std::move(own.error()));
-  Result<circuit::Interpreter> running = circuit::Interpreter::build(circuit, signals, nullptr, {.dt = request.dt});
+  const circuit::Library& packed = request.resources ? library : signals;
+  if (Result<void> own = check_lsis(circuit, library, packed, installed); !own) return fail(std::move(own.error()));
+  Result<circuit::Interpreter> running = circuit::Interpreter::build(circuit, packed, request.resources, {.dt = request.dt});
   if (!running) return fail(std::move(running.error()));
-  const Interface interface = make_interface(circuit, signals, *running);
+  const Interface interface = make_interface(circuit, packed, *running);
   const std::string text = circuit::write_circuit(circuit);
   DescribeRequest description;
   description.version = request.version;
   description.dt = request.dt;
   description.identifier = identifier_of(circuit.name);
-  description.token = token_of(text + to_text(request.dt) + std::to_string(request.version));
+  description.token = token_of(text + to_text(request.dt) + std::to_string(request.version) + std::string(request.content));
   const std::string run = json::to_text(json::Json{{"dt", request.dt}, {"token", description.token}}, 1) + "\n";
   const std::string binary = (request.version == 2 ? folder2 : folder3) + description.identifier + ".so";
-  Result<std::string> bytes = write_archive({{"modelDescription.xml", write_model_description(circuit, interface, description)},
-                                             {binary, std::string(request.binary)},
-                                             {"resources/" + std::string(circuit_file), text},
-                                             {"resources/" + std::string(run_file), run}},
-                                            circuit.name);
+  std::vector<std::pair<std::string, std::string>> files = {
+      {"modelDescription.xml", write_model_description(circuit, interface, description)},
+      {binary, std::string(request.binary)},
+      {"resources/" + std::string(circuit_file), text},
+      {"resources/" + std::string(run_file), run}};
+  if (request.resources) files.emplace_back("resources/" + std::string(content_file), request.content);
+  Result<std::string> bytes = write_archive(files, circuit.name);
   if (!bytes) return fail(std::move(bytes.error()));
   Exported out;
   out.bytes = std::move(*bytes);

@@ -12,11 +12,36 @@ namespace {
 constexpr int most_noted = 200;             // messages of one instance that are shown
 constexpr std::size_t longest_note = 2000;  // bytes
 
-class Unit2 final : public Unit {
+/// What is called alike in both versions of the standard.
+template <class Functions, class ForeignStatus, ForeignStatus last>
+class UnitOf : public Unit {
+ public:
+  UnitOf(std::shared_ptr<Code> code, const ModelDescription& d, std::string name, bool logging, const Functions& functions)
+      : Unit(std::move(code), d, std::move(name), logging), f_(functions) {}
+
+  Status exit_initialization() override { return as(f_.ExitInitializationMode(instance_)); }
+  Status reset() override { return as(f_.Reset(instance_)); }
+  void terminate() override { (void)f_.Terminate(instance_); }
+  void free() override {
+    if (instance_) f_.FreeInstance(instance_);
+    instance_ = nullptr;
+  }
+  void abandon() override { instance_ = nullptr; }
+
+ protected:
+  static Status as(ForeignStatus status) {
+    return status >= ForeignStatus{} && status <= last ? static_cast<Status>(status) : Status::error;
+  }
+
+  const Functions& f_;
+  void* instance_ = nullptr;
+};
+
+class Unit2 final : public UnitOf<Functions2, fmi2Status, fmi2Pending> {
  public:
   Unit2(std::shared_ptr<Code> code, const ModelDescription& d, std::string name, bool logging)
-      : Unit(std::move(code), d, std::move(name), logging), f_(code_->two()) {}
-  ~Unit2() override { free(); }
+      : UnitOf(code, d, std::move(name), logging, code->two()) {}
+  ~Unit2() override { free(); }  // which may still log
 
   bool instantiate() override {
     instance_ =
@@ -28,7 +53,6 @@ class Unit2 final : public Unit {
     const Status status = as(f_.SetupExperiment(instance_, 0, 0, start, 0, 0));
     return status <= Status::warning ? as(f_.EnterInitializationMode(instance_)) : status;
   }
-  Status exit_initialization() override { return as(f_.ExitInitializationMode(instance_)); }
   Status step(double now, double size, StepEnd& end) override {
     end.status = as(f_.DoStep(instance_, now, size, 1));
     end.reached = now + size;
@@ -39,13 +63,6 @@ class Unit2 final : public Unit {
     if (f_.GetRealStatus(instance_, fmi2LastSuccessfulTime, &reached) == fmi2OK) end.reached = reached;
     return end.status;
   }
-  Status reset() override { return as(f_.Reset(instance_)); }
-  void terminate() override { (void)f_.Terminate(instance_); }
-  void free() override {
-    if (instance_) f_.FreeInstance(instance_);
-    instance_ = nullptr;
-  }
-  void abandon() override { instance_ = nullptr; }
 
   Status set(Storage storage, std::span<const ValueReference> r, const void* values, std::size_t) override {
     switch (storage) {
@@ -75,8 +92,6 @@ class Unit2 final : public Unit {
   }
 
  private:
-  static Status as(fmi2Status status) { return status >= fmi2OK && status <= fmi2Pending ? static_cast<Status>(status) : Status::error; }
-
   static void log(fmi2ComponentEnvironment self, fmi2String, fmi2Status status, fmi2String category, fmi2String format, ...) {
     if (!self || !format) return;
     char text[longest_note];
@@ -87,15 +102,13 @@ class Unit2 final : public Unit {
     static_cast<Unit2*>(self)->note(as(status), category, n < 0 ? format : text);
   }
 
-  const Functions2& f_;
-  fmi2Component instance_ = nullptr;
   fmi2CallbackFunctions callbacks_{log, std::calloc, std::free, nullptr, this};
 };
 
-class Unit3 final : public Unit {
+class Unit3 final : public UnitOf<Functions3, fmi3Status, fmi3Fatal> {
  public:
   Unit3(std::shared_ptr<Code> code, const ModelDescription& d, std::string name, bool logging)
-      : Unit(std::move(code), d, std::move(name), logging), f_(code_->three()) {}
+      : UnitOf(code, d, std::move(name), logging, code->three()) {}
   ~Unit3() override { free(); }
 
   bool instantiate() override {
@@ -105,7 +118,6 @@ class Unit3 final : public Unit {
     return instance_ != nullptr;
   }
   Status enter_initialization(double start) override { return as(f_.EnterInitializationMode(instance_, false, 0, start, false, 0)); }
-  Status exit_initialization() override { return as(f_.ExitInitializationMode(instance_)); }
   Status step(double now, double size, StepEnd& end) override {
     bool event = false, terminate = false, early = false;
     double reached = now + size;
@@ -114,13 +126,6 @@ class Unit3 final : public Unit {
     end.reached = early || end.status == Status::discard ? reached : now + size;
     return end.status;
   }
-  Status reset() override { return as(f_.Reset(instance_)); }
-  void terminate() override { (void)f_.Terminate(instance_); }
-  void free() override {
-    if (instance_) f_.FreeInstance(instance_);
-    instance_ = nullptr;
-  }
-  void abandon() override { instance_ = nullptr; }
 
   Status set(Storage storage, std::span<const ValueReference> r, const void* values, std::size_t count) override {
     const auto call = [&]<class T>(fmi3Status (*function)(fmi3Instance, const fmi3ValueReference*, std::size_t, const T*, std::size_t)) {
@@ -176,13 +181,9 @@ class Unit3 final : public Unit {
   }
 
  private:
-  static Status as(fmi3Status status) { return status >= fmi3OK && status <= fmi3Fatal ? static_cast<Status>(status) : Status::error; }
   static void log(fmi3InstanceEnvironment self, fmi3Status status, fmi3String category, fmi3String text) {
     if (self && text) static_cast<Unit3*>(self)->note(as(status), category, text);
   }
-
-  const Functions3& f_;
-  fmi3Instance instance_ = nullptr;
 };
 
 }  // namespace
