@@ -1,7 +1,5 @@
 // Real files: frames, joints, duration; world positions by another way of computing; the round trip through BVH.
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -348,33 +346,6 @@ TEST(SlowSharedBvh, EveryFrame) {
 TEST(SlowSharedAmc, EveryFrame) {
   NEEDS_SHARED_DATA();
   for (const std::string& name : files("asf_amc", ".amc")) check_amc(name, 1);
-}
-
-TEST(SharedData, TwoMegabytesAreReadInTheTimeThatAUserDoesNotNotice) {
-  NEEDS_SHARED_DATA();
-  const std::string bvh = load(folder + "bvh/01_01.bvh"), asf_text = load(folder + "asf_amc/01.asf"),
-                    amc = load(folder + "asf_amc/01_01.amc");
-  const auto best_ms = [](const auto& work) {
-    double best = 1e9;
-    for (int i = 0; i < 3; ++i) {
-      const auto start = std::chrono::steady_clock::now();
-      work();
-      best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-    }
-    return best;
-  };
-  const auto asf = read_asf(asf_text, "01.asf");
-  ASSERT_TRUE(asf);
-  const double bvh_ms = best_ms([&] { EXPECT_TRUE(read_bvh(bvh, "01_01.bvh").has_value()); });
-  const double amc_ms = best_ms([&] { EXPECT_TRUE(read_amc(amc, "01_01.amc", *asf).has_value()); });
-  const MeasuredMotion m = read_bvh_file("01_01.bvh");
-  const double write_ms = best_ms([&] { EXPECT_GT(write_bvh(m).size(), 1000U); });
-  std::printf("BVH %.1f MB read in %.1f ms, written in %.1f ms; AMC %.1f MB read in %.1f ms\n", static_cast<double>(bvh.size()) / 1e6,
-              bvh_ms, write_ms, static_cast<double>(amc.size()) / 1e6, amc_ms);
-#if defined(NDEBUG) && !defined(__SANITIZE_ADDRESS__)
-  EXPECT_LT(bvh_ms, 500);  // 100 ms on a quiet machine; the bound leaves room for a busy one
-  EXPECT_LT(amc_ms, 500);
-#endif
 }
 
 }  // namespace
