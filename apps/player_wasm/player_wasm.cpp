@@ -111,7 +111,7 @@ PLAYER_EXPORT(ugoki_let_go) void ugoki_let_go() {
   if (session().player) session().player->release();
 }
 
-PLAYER_EXPORT(ugoki_input) std::int32_t ugoki_input(const char* json, std::uint32_t size) {
+PLAYER_EXPORT(ugoki_input) std::int32_t take_input(const char* json, std::uint32_t size) {
   Session& s = session();
   const auto change = ugoki::circuit::read_device_change({json, size});
   if (!change) {

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
-import { add, spot, state, undo, until } from './wiring.mjs';
+import { add, large, spot, state, undo, until } from './wiring.mjs';
 
 const skip = mock && 'the mock runs no circuit';
 const value = (page) => page.evaluate(() => window.ugoki.pin_value('keyboard', 'pressed')?.[0]);
@@ -32,7 +32,7 @@ export const control_journeys = [
     unless: async ({ page }) => !(await tells_devices(page)) && 'this program takes no input from the page',
     name: 'controls: a key held while the content has them moves a value on a wire',
     async run({ page }) {
-      await page.locator('.tab', { hasText: 'Circuit' }).click();
+      await large(page, false); // the button is over the viewport
       await page.locator('.circuit[role=application]').focus();
       const before = (await state(page)).lsis.length;
       await add(page, 'keyboard', await spot(page, 0.5, 0.85));

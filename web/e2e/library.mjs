@@ -18,6 +18,14 @@ async function until(page, ask, what, timeout = patience) {
   }
 }
 const shelf = (page) => page.evaluate(() => window.ugoki.library());
+/** How many entries the list has; what the journey before took back may still be on its way out. */
+async function total_at_rest(page) {
+  for (let before = -1; ; await page.waitForTimeout(600)) {
+    const { total } = await shelf(page);
+    if (total === before) return total;
+    before = total;
+  }
+}
 const files = (page) => page.evaluate(() => window.ugoki.imports());
 const card = (page, name) => page.locator('#library-list [role=option]', { has: page.locator('.entry-name', { hasText: name }) }).first();
 
@@ -54,7 +62,7 @@ const journeys = [
     name: 'library: a file is shown beside a human of 1.8 m, its report says what it holds, and cancelling leaves no trace',
     async run({ page }) {
       await until(page, async () => (await shelf(page)).status === 'ready', 'the list');
-      const before = (await shelf(page)).total;
+      const before = await total_at_rest(page);
       await choose(page, [['waver.bvh', waver()]]);
       await all_read(page);
       const seen = await until(page, () => page.evaluate(() => (window.ugoki.import_view()?.pictures > 2 ? window.ugoki.import_view() : null)), 'the preview');

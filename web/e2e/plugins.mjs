@@ -4,7 +4,7 @@ import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
-import { add, drag, head, pin, spot, state, told, until } from './wiring.mjs';
+import { add, drag, head, large, pin, spot, state, told, until } from './wiring.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const skip = mock && 'the mock runs no circuit';
@@ -35,14 +35,6 @@ static const ugoki_library l = {sizeof l, UGOKI_LSI_ABI + 1, "later", "1"};
 UGOKI_EXPORT const ugoki_library* ugoki_lsi_library(void) { return &l; }
 `;
 
-const large = async (page, wanted) => {
-  const tab = page.locator('.tab', { hasText: 'Circuit' });
-  await tab.click();
-  const box = await page.locator('.circuit[role=application]').boundingBox();
-  const is_large = box.height > 600;
-  if (is_large !== wanted) await tab.dblclick();
-  await page.waitForTimeout(500);
-};
 
 /** The numbers that the inspector shows for the outputs of an LSI, as a person reads them. */
 async function read_outputs(page, node) {

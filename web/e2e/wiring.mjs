@@ -51,3 +51,12 @@ export async function add(page, words, at) {
   await page.keyboard.type(words);
   await page.keyboard.press('Enter');
 }
+
+export const large = async (page, wanted) => {
+  const tab = page.locator('.tab', { hasText: 'Circuit' });
+  await tab.click();
+  const box = await page.locator('.circuit[role=application]').boundingBox();
+  const is_large = box.height > 600;
+  if (is_large !== wanted) await tab.dblclick();
+  await page.waitForTimeout(500);
+};
