@@ -12,6 +12,7 @@ import type { Surface } from './surface';
 /** Below this zoom, or with more nodes than this in sight, all is drawn on the canvas. */
 const far_zoom = 0.42;
 const most_elements = 160;
+const most_too_wide = 2; // times what is needed: after zooming in, what is out of sight is not painted for long
 const margin = 260; // px around what is seen, so that not every step of a pan brings new nodes
 
 export interface Drawn {
@@ -102,9 +103,10 @@ export function useDrawing(view: View, surface: Surface, under: RefObject<HTMLCa
   const cull = useCallback((force: boolean) => {
     const zoom_far = surface.viewport().zoom < far_zoom;
     const old = drawn.current;
-    if (!force && old?.view === view && old.zoom_far === zoom_far && contains(old.box, surface.seen())) return;
-    facts.current.culls++;
     const box = surface.seen(margin);
+    const fits = old && contains(old.box, surface.seen()) && old.box.width < most_too_wide * box.width;
+    if (!force && old?.view === view && old.zoom_far === zoom_far && fits) return;
+    facts.current.culls++;
     const near = view.index.find(box);
     const is_far = zoom_far || near.length > most_elements;
     const wanted = is_far ? none : with_neighbours(view, near);
