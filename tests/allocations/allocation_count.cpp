@@ -10,6 +10,14 @@ std::atomic<long> count{0};
 
 long ugoki::allocations_so_far() { return count.load(); }
 
+// The thread sanitizer has its own; nothing is counted then.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define UGOKI_COUNTS_NOTHING
+#endif
+#endif
+
+#ifndef UGOKI_COUNTS_NOTHING
 void* operator new(std::size_t size) {
   ++count;
   if (void* p = std::malloc(size > 0 ? size : 1)) return p;
@@ -20,3 +28,4 @@ void operator delete(void* p) noexcept { std::free(p); }
 void operator delete[](void* p) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+#endif
