@@ -214,9 +214,9 @@ function Corrections({ item, staged }: { item: ImportItem; staged: StagedFile })
       {can.unit && (
         <div className="field">
           <label htmlFor={`unit-${item.id}`}>
-            Unit of length{settings.unit_guessed && <span className="guessed">guessed</span>}
+            Unit{settings.unit_guessed && <span className="guessed">guessed</span>}
           </label>
-          <select id={`unit-${item.id}`} value={named ? String(named[0]) : 'other'} onChange={(e) => e.target.value !== 'other' && correct({ unit: Number(e.target.value) })}>
+          <select id={`unit-${item.id}`} aria-label="Unit of length" value={named ? String(named[0]) : 'other'} onChange={(e) => e.target.value !== 'other' && correct({ unit: Number(e.target.value) })}>
             {units.map(([metres, name]) => (
               <option key={name} value={String(metres)}>{name}</option>
             ))}
