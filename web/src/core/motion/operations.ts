@@ -38,6 +38,16 @@ export interface Operation {
 
 const percent = (value: Value | undefined): number => (typeof value === 'number' ? value / 100 : 1);
 
+/** What is asked where another motion acts on parts of the figure. @param most greatest weight, % */
+const of_parts = (most: number): Pick<Operation, 'fields' | 'options'> => ({
+  fields: [
+    { kind: 'links', key: 'joints', label: 'Which parts', value: [], title: 'Each with everything behind it; none: the whole figure' },
+    { kind: 'number', key: 'weight', label: 'Weight', unit: '%', value: 100, min: 0, max: most, step: 1, digits: 0, slider: true },
+    { kind: 'number', key: 'fade', label: 'Fade', unit: 's', value: 0.2, min: 0, max: 10, step: 0.01 },
+  ],
+  options: (v) => ({ joints: v.joints!, weight: percent(v.weight), fade: v.fade! }),
+});
+
 export const operations: readonly Operation[] = [
   { id: 'trim', label: 'Trim to what the clip shows', short: 'Trim', group: 'time', needs: 'nothing', fields: [], hint: 'The motion becomes the part that the clip shows, with its speed and its rounds.' },
   { id: 'join', label: 'Join with next clip', short: 'Join next', group: 'time', needs: 'next', fields: [], hint: 'Both clips become one motion; where they overlap, one goes over into the other.' },
@@ -98,21 +108,11 @@ export const operations: readonly Operation[] = [
   },
   {
     id: 'mix', label: 'Mix joints of another motion', short: 'Mix joints', group: 'two', needs: 'motion', hint: 'Parts of the figure do what they do in the other motion.',
-    fields: [
-      { kind: 'links', key: 'joints', label: 'Which parts', value: [], title: 'Each with everything behind it; none: the whole figure' },
-      { kind: 'number', key: 'weight', label: 'Weight', unit: '%', value: 100, min: 0, max: 100, step: 1, digits: 0, slider: true },
-      { kind: 'number', key: 'fade', label: 'Fade', unit: 's', value: 0.2, min: 0, max: 10, step: 0.01 },
-    ],
-    options: (v) => ({ joints: v.joints!, weight: percent(v.weight), fade: v.fade! }),
+    ...of_parts(100),
   },
   {
     id: 'layer', label: 'Add another motion as a layer', short: 'Layer', group: 'two', needs: 'motion', hint: 'What the other motion does, counted from its first frame, comes on top of this one.',
-    fields: [
-      { kind: 'links', key: 'joints', label: 'Which parts', value: [], title: 'Each with everything behind it; none: the whole figure' },
-      { kind: 'number', key: 'weight', label: 'Weight', unit: '%', value: 100, min: 0, max: 200, step: 1, digits: 0, slider: true },
-      { kind: 'number', key: 'fade', label: 'Fade', unit: 's', value: 0.2, min: 0, max: 10, step: 0.01 },
-    ],
-    options: (v) => ({ joints: v.joints!, weight: percent(v.weight), fade: v.fade! }),
+    ...of_parts(200),
   },
 
   {
