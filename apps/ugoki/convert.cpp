@@ -8,6 +8,7 @@
 #include "output.h"
 #include "sources.h"
 #include "ugoki/base/number.h"
+#include "ugoki/capture/capture.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/asf.h"
 #include "ugoki/formats/bvh.h"
@@ -27,7 +28,7 @@ namespace fs = std::filesystem;
 struct Options {
   std::string input, output, mechanism;
   SourceOptions source;
-  bool positions = false, radians = false, json = false;
+  bool positions = false, radians = false, fill = false, json = false;
   int decimals = 0;
 };
 
@@ -93,8 +94,14 @@ Result<Content> load(const Options& o) {
                                      : file == intake::FileKind::trc ? formats::read_trc(*bytes, o.input, marker_options, &notes)
                                                                      : formats::read_csv(*bytes, o.input, marker_options, &notes);
       if (!markers) return fail(std::move(markers.error()));
-      out.markers = std::move(*markers);
       out.report = std::move(notes.remarks);
+      if (o.fill) {
+        capture::FilledMarkers filled = capture::fill_markers(*markers);
+        out.report.insert(out.report.end(), filled.report.begin(), filled.report.end());
+        out.markers = std::move(filled.markers);
+      } else {
+        out.markers = std::move(*markers);
+      }
       return out;
     }
   }
@@ -258,6 +265,7 @@ void add_convert_verb(CLI::App& app, Action& action) {
       ->check(CLI::Range(1, 15));
   verb->add_flag("--positions", o->positions, "CSV: world positions of the joints instead of coordinates");
   verb->add_flag("--radians", o->radians, "CSV: angles in rad instead of degrees");
+  verb->add_flag("--fill", o->fill, "Recordings of markers: gaps are filled and spikes taken out (otherwise as recorded)");
   verb->add_option("--mechanism", o->mechanism, "The mechanism to which the coordinates of a CSV file belong");
   verb->add_option("--unit", o->source.intake.unit, "Metres per unit of length of the input (otherwise as it says, or guessed)")
       ->check(CLI::Range(1e-6, 1000.0));

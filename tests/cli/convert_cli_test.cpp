@@ -46,6 +46,16 @@ class ConvertCliTest : public CliTest {
   }
 };
 
+TEST_F(ConvertCliTest, GapsOfARecordingAreFilledWhenAsked) {
+  const Json as_recorded = json({"convert", markers(), path("as-recorded.trc")});
+  EXPECT_FALSE(formats::read_trc(read(path("as-recorded.trc")), "m")->seen(1, 1));
+  const Json filled = json({"convert", markers(), path("filled.trc"), "--fill"});
+  const auto back = formats::read_trc(read(path("filled.trc")), "m");
+  ASSERT_TRUE(back && back->seen(1, 1));
+  EXPECT_LT(norm(back->at(1, 1) - Vec3{0.205, 0.4005, 0.9005}), 1e-6);  // half way, Z up
+  EXPECT_NE(filled["report"].dump().find("1 places in short gaps"), std::string::npos) << filled;
+}
+
 TEST_F(ConvertCliTest, AMotionInEveryForm) {
   const std::string clip = walk();
   const Json bvh = json({"convert", clip, path("again.bvh")});

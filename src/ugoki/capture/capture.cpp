@@ -5,6 +5,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/capture/calibrate.h"
+#include "ugoki/capture/gap_filling.h"
 #include "ugoki/motion/marker_repair.h"
 
 namespace ugoki::capture {
@@ -95,24 +96,12 @@ class Solver {
     }
     squares_.assign(subject_.columns.size(), 0);
     seen_.assign(subject_.columns.size(), 0);
-    ModelPose pose = first;
-    for (int f = from; f < clean_.frames; ++f) solve(f, f > from, pose);
-    pose = first;
-    for (int f = from - 1; f >= 0; --f) solve(f, true, pose);
+    solve_frames(clean_, subject_, first, from, [this](int f, const PoseSolver& solver, const ModelPose& pose) { take(f, solver, pose); });
     finish();
   }
 
  private:
-  void solve(int frame, bool has_near, ModelPose& pose) {
-    const MeasuredFrame measured = measured_frame(clean_, subject_, frame);
-    PoseOptions options;
-    const ModelPose near = pose;
-    if (has_near) {
-      options.near = &near;
-      // A weak hold: it decides only where no marker tells.
-      options.step_sigma = 30 / clean_.rate;
-    }
-    solver_.solve(subject_, measured, options, pose);
+  void take(int frame, const PoseSolver& solver, const ModelPose& pose) {
     const std::size_t n = subject_.segment_count(), at = static_cast<std::size_t>(frame) * n;
     for (std::size_t i = 0; i < n; ++i) {
       out_.measured.translations[at + i] = subject_.segment(i).parent < 0 ? pose.p : subject_.offsets[i];
@@ -122,7 +111,7 @@ class Solver {
     int count = 0;
     for (std::size_t m = 0; m < subject_.columns.size(); ++m) {
       if (!recorded_.seen(frame, subject_.columns[m])) continue;
-      const double error = norm(marker_place(subject_, solver_.kinematics(), m) - recorded_.at(frame, subject_.columns[m]));
+      const double error = norm(marker_place(subject_, solver.kinematics(), m) - recorded_.at(frame, subject_.columns[m]));
       sum += error * error;
       ++count;
       squares_[m] += error * error;
@@ -152,7 +141,6 @@ class Solver {
   const MarkerMotion& clean_;
   Subject subject_;
   Capture& out_;
-  PoseSolver solver_;
   std::vector<double> squares_;
   std::vector<long> seen_;
 };
@@ -182,13 +170,12 @@ bool is_planar(const MarkerMotion& m) {
   return true;
 }
 
-/// What was done to the markers, as sentences.
+/// What was done to the markers, as sentences. Long gaps stay.
 MarkerMotion clean(const MarkerMotion& motion, const CaptureOptions& options, std::vector<std::string>& report) {
   MarkerMotion out = motion;
   if (const int spikes = remove_spikes(out); spikes > 0) report.push_back(std::to_string(spikes) + " spikes are taken out.");
-  const int filled = fill_short_gaps(out, options.longest_gap), carried = fill_gaps_by_neighbours(out);
-  if (filled > 0) report.push_back(std::to_string(filled) + " places in short gaps are filled by splines.");
-  if (carried > 0) report.push_back(std::to_string(carried) + " places in long gaps are filled from markers on the same segment.");
+  if (const int filled = fill_short_gaps(out, options.longest_gap); filled > 0)
+    report.push_back(std::to_string(filled) + " places in short gaps are filled by splines.");
   const double cutoff = options.cutoff == 0 ? choose_cutoff(out) : options.cutoff;
   if (cutoff > 0 && cutoff < out.rate / 3) {
     filter_markers(out, cutoff);
@@ -198,9 +185,17 @@ MarkerMotion clean(const MarkerMotion& motion, const CaptureOptions& options, st
   return out;
 }
 
-}  // namespace
+/// The subject of a recording, fitted to it.
+struct Fit {
+  std::string set_name;
+  Subject subject;
+  ModelPose first;  // in frame `from`
+  int from = 0;
+  std::vector<std::string> unused;  // labels
+};
 
-Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& options) {
+/// @param markers the recording, clean
+Result<Fit> fit_subject(const MarkerMotion& motion, const MarkerMotion& markers, const CaptureOptions& options) {
   const Choice choice = choose_set(motion.labels);
   if (choice.set == nullptr || choice.known < 8 || marked_segments(choice) < 4)
     return fail(
@@ -212,45 +207,96 @@ Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& 
   if (is_planar(motion))
     return fail(ErrorCode::unsupported, motion.source, "all markers lie in one plane, so that no body in space can be found.",
                 "Use the recording from which the plane was projected.");
-  Capture out;
-  out.marker_set = choice.set->name;
-  out.measured.name = motion.name;
-  out.measured.source = motion.source;
-  out.measured.rate = motion.rate;
+  Fit out;
+  out.set_name = choice.set->name;
   for (std::size_t i = 0; i < choice.match.size(); ++i)
     if (choice.match[i] < 0) out.unused.push_back(motion.labels[i]);
-  const MarkerMotion markers = clean(motion, options, out.report);
   const double size = estimate_size(*choice.set, choice.match, markers);
   if (!(size > 1e-3 && size < 1e3))
     return fail(ErrorCode::structure, motion.source, "the markers are never seen together, so the subject's size cannot be found.",
                 "Check that the recording holds one subject and that its markers are labelled.");
-  out.size = size;
-  Subject subject = make_subject(*choice.set, choice.match, size);
-  const std::vector<int> chosen = choose_frames(markers, subject, options.calibration_frames);
+  out.subject = make_subject(*choice.set, choice.match, size);
+  const std::vector<int> chosen = choose_frames(markers, out.subject, options.calibration_frames);
   if (chosen.empty())
     return fail(ErrorCode::structure, motion.source, "in no frame more than half of the markers are seen.",
                 "Label the markers, or cut the recording to where they are seen.");
   std::vector<MeasuredFrame> frames;
-  for (const int f : chosen) frames.push_back(measured_frame(markers, subject, f));
+  for (const int f : chosen) frames.push_back(measured_frame(markers, out.subject, f));
   PoseSolver solver;
   std::vector<ModelPose> poses(frames.size());
-  find_first_pose(solver, subject, frames[0], poses[0]);
+  find_first_pose(solver, out.subject, frames[0], poses[0]);
   for (std::size_t i = 1; i < frames.size(); ++i) {
     poses[i] = poses[i - 1];
     PoseOptions options_far;
     options_far.outlier = 1e3;
-    solver.solve(subject, frames[i], options_far, poses[i]);
+    solver.solve(out.subject, frames[i], options_far, poses[i]);
   }
-  calibrate(subject, frames, poses);
-  Solver(motion, markers, std::move(subject), out).run(poses[0], chosen[0]);
+  calibrate(out.subject, frames, poses);
+  mirror_unseen_places(out.subject, frames);
+  out.first = poses[0];
+  out.from = chosen[0];
+  return out;
+}
+
+void fill_by_body(MarkerMotion& markers, const Fit& fit, std::vector<std::string>& report) {
+  int unknown = 0;
+  for (int f = 0; f < markers.frames; ++f) unknown += knows_body(markers, fit.subject, f) ? 0 : 1;
+  if (unknown > 0)
+    report.push_back("In " + std::to_string(unknown) + " frames fewer than a third of the markers are seen; what the body does there is " +
+                     "not known, and it is held near where it was.");
+  if (const int carried = fill_gaps_by_body(markers, fit.subject, fit.first, fit.from); carried > 0)
+    report.push_back(std::to_string(carried) + " places in long gaps are where the body carries the marker.");
+}
+
+}  // namespace
+
+FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& options) {
+  FilledMarkers out;
+  CaptureOptions unfiltered = options;
+  unfiltered.cutoff = -1;
+  MarkerMotion markers = clean(motion, unfiltered, out.report);
+  const Result<Fit> fit = fit_subject(motion, markers, options);
+  if (fit)
+    fill_by_body(markers, *fit, out.report);
+  else
+    out.report.push_back("No body was found by which long gaps could be filled: " + fit.error().problems.front().message);
+  if (const int carried = fill_gaps_by_neighbours(markers); carried > 0)
+    out.report.push_back(std::to_string(carried) + " places in long gaps are filled from markers that move along.");
+  out.markers = motion;
+  remove_spikes(out.markers);
+  int open = 0;
+  for (std::size_t i = 0; i < motion.residuals.size(); ++i) {
+    if (out.markers.residuals[i] >= 0) continue;
+    out.markers.positions[i] = markers.positions[i];
+    out.markers.residuals[i] = markers.residuals[i];
+    open += markers.residuals[i] < 0 ? 1 : 0;
+  }
+  if (open > 0) out.report.push_back(std::to_string(open) + " places could not be filled and stay unseen.");
+  return out;
+}
+
+Result<Capture> solve_markers(const MarkerMotion& motion, const CaptureOptions& options) {
+  Capture out;
+  MarkerMotion markers = clean(motion, options, out.report);
+  Result<Fit> fit = fit_subject(motion, markers, options);
+  if (!fit) return fail(std::move(fit.error()));
+  fill_by_body(markers, *fit, out.report);
+  out.marker_set = fit->set_name;
+  out.measured.name = motion.name;
+  out.measured.source = motion.source;
+  out.measured.rate = motion.rate;
+  out.size = fit->subject.size;
+  out.unused = std::move(fit->unused);
+  Solver(motion, markers, std::move(fit->subject), out).run(fit->first, fit->from);
   out.report.insert(out.report.begin(), "The markers are read as those of the set '" + out.marker_set + "', on a body " +
-                                            to_fixed(size, 3) + " times its size; they are met within " + millimetres(out.rms) + " rms.");
-  if (out.rms > 0.04 * size)
+                                            to_fixed(out.size, 3) + " times its size; they are met within " + millimetres(out.rms) +
+                                            " rms.");
+  if (out.rms > 0.04 * out.size)
     out.report.push_back("That is a poor fit: check that the labels are right and that left and right are not exchanged.");
   if (!out.unused.empty()) {
-      std::string names;
-      for (const std::string& label : out.unused) names += (names.empty() ? "" : ", ") + label;
-      out.report.push_back("Not used, because the set does not know them: " + names + ".");
+    std::string names;
+    for (const std::string& label : out.unused) names += (names.empty() ? "" : ", ") + label;
+    out.report.push_back("Not used, because the set does not know them: " + names + ".");
   }
   return out;
 }

@@ -34,6 +34,17 @@ struct Capture {
   std::vector<std::string> report;        ///< sentences for people
 };
 
+/// A recording without gaps.
+struct FilledMarkers {
+  MarkerMotion markers;             ///< as recorded where they were seen; filled places have a residual of 0
+  std::vector<std::string> report;  ///< sentences for people
+};
+
+/// Closes the gaps of a recording: short ones by splines; longer ones by the body that the other markers tell, a marker that is never seen
+/// at the mirrored place of the one on the other side; markers that no set knows, and recordings in which no body is found, by markers
+/// that move with them as one rigid body. What none of these can fill stays unseen, and is told.
+[[nodiscard]] FilledMarkers fill_markers(const MarkerMotion& motion, const CaptureOptions& options = {});
+
 /// Chooses the marker set whose labels fit best, fits it to the recording, and solves every frame.
 /// Errors: no marker set knows enough of the labels (the remedy names those missing), or too few markers are ever seen together.
 /// O(frames * (markers + freedoms^3)).

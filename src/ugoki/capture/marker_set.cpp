@@ -126,10 +126,10 @@ MarkerSet make_human() {
   b.marker({"RBAC", "RBAK"}, chest, {-0.1, -0.07, 0.12}, 0.04);
   b.markers({"<SHO", "<ACR", "<SAE", "<ACROMION"}, collar, {0, 0.135, 0.045}, 0.015);
   b.markers({"<UPA", "<UPARM"}, arm, {0, 0.14, 0.045}, 0.05);
-  b.markers({"<ELB", "<LEE", "<LEL", "<ELBOW"}, arm, {0, 0.28, 0.045}, 0.012);
+  b.markers({"<ELB", "<LEE", "<LEL", "<ELBOW"}, arm, {0, 0.28, 0.048}, 0.008);
   b.markers({"<FRM", "<FRA"}, forearm, {0, 0.13, 0.03}, 0.05);
-  b.markers({"<WRA"}, forearm, {0, 0.25, 0.035}, 0.012);
-  b.markers({"<WRB"}, forearm, {0, 0.25, -0.035}, 0.012);
+  b.markers({"<WRA"}, forearm, {0, 0.25, 0.045}, 0.02);
+  b.markers({"<WRB"}, forearm, {0, 0.25, -0.045}, 0.02);
   b.markers({"<FIN", "<HAND"}, hand, {-0.015, 0.085, 0}, 0.02);
   b.markers({"<THI", "<THIGH"}, thigh, {0.02, 0.085, -0.22}, 0.05, 6);
   b.markers({"<KNE", "<LFC", "<KNEE"}, shank, {-0.02, 0.055, 0.012}, 0.002, 4);
