@@ -217,6 +217,14 @@ TEST_F(Malformed, ThreeHundredCircuitsAreRefusedWithPathAndRemedy) {
     refuse_changed("a rotation's value", [&](Json& c) { c["lsis"][7]["values"]["in"] = value; });
   refuse_changed("a value and no class", [](Json& c) { c["lsis"][5]["values"]["in"] = 1; });
   refuse_changed("an output of two pins", [](Json& c) { c["outputs"][0]["from"] = Json::array({"limit.out", "sum.out"}); });
+  refuse_changed("two outputs of a name",
+                 [](Json& c) { c["outputs"].push_back({{"name", "y"}, {"type", "scalar"}, {"from", "sum.out"}}); });
+  refuse_changed("two circuits of a name", [](Json& c) { c["circuits"].push_back(c["circuits"][0]); });
+  refuse_changed("two parameters of a name", [](Json& c) { c["parameters"].push_back(c["parameters"][0]); });
+  refuse_changed("a parameter of two kinds", [](Json& c) {
+    c["lsis"].push_back({{"id", "turns"}, {"type", "state machine"}, {"parameters", {{"transitions", "a -> b when a > 1"}}}});
+    c["parameters"][0]["to"] = Json::array({"limit.maximum", "turns.transitions"});
+  });
   refuse_changed("two inputs of a name", [](Json& c) { c["inputs"].push_back({{"name", "x"}, {"type", "scalar"}, {"to", "slow.in"}}); });
   std::printf("refused so far: %zu\n", seen_.size());
 

@@ -302,6 +302,97 @@ TEST_F(FmiTest, AnFmuMayReturnEarly) {
   EXPECT_GT(value(*i, "u.body:sum"), 8);  // several parts of one step
 }
 
+/// Runs to and fro between -1 and 1 with this speed, from 0.
+double to_and_fro(double t, double speed) {
+  const double s = std::fmod(t * speed + 1, 4);
+  return s <= 2 ? s - 1 : 3 - s;
+}
+
+class Events : public FmiTest {
+ protected:
+  plugin::LiveLibrary live_ = library(unit("events", "events", 3));
+  static void give(Interpreter& i, const char* input, double x) { std::memcpy(i.find_circuit_input(input).data(), &x, sizeof x); }
+  Result<Interpreter> build_wired(double rate) const {
+    return build(parse(R"({"version": 1, "name": "test", "inputs": [{"name": "gear", "type": "scalar", "to": "u.gear"},
+      {"name": "deed", "type": "scalar", "to": "u.deed"}],
+      "lsis": [{"id": "u", "type": "events", "parameters": {"rate": )" +
+                       std::to_string(rate) + "}}]}"),
+                 live_, 0.1);
+  }
+};
+
+TEST_F(Events, AreHandledWhereTheyAre) {
+  auto i = build(alone("events", R"(, "parameters": {"rate": 0.7})"), live_, 0.1);
+  ASSERT_TRUE(i) << i.error().text();
+  for (int n = 0; n < 80; ++n) {
+    const double t = 0.1 * n, quarters = std::floor(t / 0.25 + 1e-9), turns = std::floor((t * 0.7 + 1) / 2);
+    EXPECT_NEAR(value(*i, "u.x"), to_and_fro(t, 0.7), 1e-12) << n;
+    EXPECT_EQ(value(*i, "u.held"), 0.25 * quarters) << n;
+    EXPECT_EQ(value(*i, "u.events"), 1 + quarters + turns) << n;  // none twice; the first one ends the initialisation
+    ASSERT_TRUE(i->tick()) << i->stopped()->text();
+  }
+}
+
+TEST_F(Events, ComeFromDiscreteInputsAndParametersThatChange) {
+  auto i = build_wired(0.001);
+  ASSERT_TRUE(i) << i.error().text();
+  const auto events_of_a_step = [&] {  // between two quarters of a second
+    const double before = value(*i, "u.events");
+    EXPECT_TRUE(i->tick());
+    return value(*i, "u.events") - before;
+  };
+  give(*i, "gear", 1);
+  EXPECT_EQ(events_of_a_step(), 1);  // what it is given first
+  EXPECT_EQ(events_of_a_step(), 0);
+  i->run(4);
+  give(*i, "gear", 3);
+  EXPECT_EQ(events_of_a_step(), 1);
+  EXPECT_EQ(value(*i, "u.in_use"), 0.003);
+  i->run(4);
+  ASSERT_TRUE(i->set_parameter("u.rate", 0.002));
+  EXPECT_EQ(events_of_a_step(), 1);
+  EXPECT_EQ(value(*i, "u.in_use"), 0.006);
+}
+
+TEST_F(Events, AreTheSameAfterGoingBack) {
+  auto i = build_wired(0.7), other = build_wired(0.7);
+  ASSERT_TRUE(i && other);
+  give(*i, "gear", 2);
+  i->run(13);
+  std::vector<std::byte> saved;
+  i->save(saved);
+  const auto follow = [&](Interpreter& on) {
+    std::vector<double> out;
+    for (int n = 0; n < 40; ++n, on.tick()) {
+      if (n == 20) give(on, "gear", 1);
+      for (const char* pin : {"u.x", "u.held", "u.events", "u.in_use"}) out.push_back(value(on, pin));
+    }
+    return out;
+  };
+  const std::vector<double> once = follow(*i);
+  ASSERT_TRUE(i->restore(saved));
+  give(*i, "gear", 2);
+  EXPECT_EQ(follow(*i), once);
+  ASSERT_TRUE(other->restore(saved));
+  give(*other, "gear", 2);
+  EXPECT_EQ(follow(*other), once);
+}
+
+TEST_F(Events, ThatGoWrongStopTheCircuitWithASentence) {
+  const auto stop_of = [&](int deed) {
+    auto i = build_wired(1);
+    EXPECT_TRUE(i) << i.error().text();
+    give(*i, "gear", 1);
+    i->run(1);
+    give(*i, "deed", deed);
+    i->run(5);
+    return i->stopped() ? i->stopped()->text() : std::string();
+  };
+  EXPECT_NE(stop_of(1).find("cannot handle its event at 0.250000 s: Its events do not come to an end"), std::string::npos) << stop_of(1);
+  EXPECT_NE(stop_of(2).find("asks for the end of the simulation at 0.250000 s"), std::string::npos) << stop_of(2);
+  EXPECT_NE(stop_of(3).find("cannot handle its event at 0.250000 s: The event is too hard"), std::string::npos) << stop_of(3);
+}
+
 TEST_F(FmiTest, ArraysAreVectorsAndRowsOfNumbers) {
   const auto live = library(unit("naughty", "naughty", 3));
   const circuit::LsiClass* c = live.library()->find("naughty");

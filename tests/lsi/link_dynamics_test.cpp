@@ -88,6 +88,34 @@ TEST(LinkDynamics, SavedStatesGoOnWithTheSameBits) {
   EXPECT_EQ(of_a, saved) << "after a reset as from the start";
 }
 
+/// The general-purpose dynamics on closed loops: the crank turns through all its positions, dead points among them.
+TEST(LinkDynamics, GeneralDynamicsOfClosedLoopsGoesOnWithTheSameBitsFromEverySavedState) {
+  const ClosedWorld w;
+  const auto c = circuit::read_circuit(
+      R"({"version": 1, "name": "t", "lsis": [{"id": "now", "type": "status"}, {"id": "touch", "type": "collision analysis"},
+          {"id": "it", "type": "dynamics"}], "wires": [{"from": "now.state", "to": "touch.state"}, {"from": "now.state", "to": "it.state"},
+          {"from": "touch.contacts", "to": "it.contacts"}, {"from": "it.next", "to": "now.next"}]})");
+  ASSERT_TRUE(c) << c.error().text();
+  const auto make = [&] { return circuit::Interpreter::build(*c, standard_library(), w.world.get(), {.dt = 0.002, .check_finite = true}); };
+  auto a = make(), b = make();
+  ASSERT_TRUE(a && b) << a.error().text();
+  std::vector<std::vector<std::byte>> saved(60);
+  double least = 1e9, greatest = -1e9;
+  for (std::vector<std::byte>& s : saved) {
+    for (int k = 0; k < 23; ++k, least = std::min(least, value(*a, "now.state")), greatest = std::max(greatest, value(*a, "now.state")))
+      ASSERT_TRUE(a->tick()) << a->stopped()->text();
+    a->save(s);
+  }
+  EXPECT_GT(greatest - least, 3.2) << "it passes the positions in which its bars are in one line";
+  std::vector<std::byte> again;
+  for (std::size_t i = saved.size() - 1; i-- > 0;) {  // backwards: what was remembered of later positions is wrong here
+    ASSERT_TRUE(b->restore(saved[i]));
+    b->run(23);
+    b->save(again);
+    EXPECT_EQ(again, saved[i + 1]) << i;
+  }
+}
+
 TEST(LinkDynamics, OthersArePassedOnAndWrongParametersRefused) {
   const ClosedWorld w;
   auto i = build(*w.world, "four-bar");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <set>
 
 #include "ugoki/base/number.h"
 
@@ -111,8 +112,22 @@ class Flattener {
     return nullptr;
   }
 
+  /// Names by which others refer to the parts of a circuit.
+  template <class Parts>
+  void check_names(const std::string& place, const char* field, const Parts& parts) {
+    std::set<std::string_view> names;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (!names.insert(parts[i].name).second)
+        problem(ErrorCode::duplicate, place + "/" + field + "/" + std::to_string(i) + "/name",
+                std::string("Two ") + field + " are called '" + parts[i].name + "'.", "Rename one.");
+  }
+
   void open(Level& level, std::uint32_t every, const std::vector<Override>& overrides) {
     const Circuit& circuit = *level.circuit;
+    check_names(level.place, "inputs", circuit.inputs);
+    check_names(level.place, "outputs", circuit.outputs);
+    check_names(level.place, "parameters", circuit.parameters);
+    check_names(level.place, "circuits", circuit.circuits);
     std::vector<std::vector<Override>> given(circuit.lsis.size());
     for (std::size_t i = 0; i < circuit.lsis.size(); ++i) {
       const std::string place = level.place + "/lsis/" + std::to_string(i);
@@ -319,8 +334,6 @@ class Flattener {
       problem(ErrorCode::unsupported, place,
               "An input of the outermost circuit cannot be of the type '" + std::string(pin_type(pin.type).name) + "'.",
               "Use a type of fixed size.");
-    for (const FlatPort& port : flat_.inputs)
-      if (port.name == pin.name) problem(ErrorCode::duplicate, place, "Two inputs are called '" + pin.name + "'.", "Rename one.");
     const int i = static_cast<int>(flat_.lsis.size());
     flat_.inputs.push_back({pin.name, {i, 0}});
     flat_.lsis.push_back(std::move(flat));
@@ -424,7 +437,8 @@ class Flattener {
 
   /// Parameters of a circuit lead to parameters inside.
   void check_parameters(const Level& level) {
-    for (std::size_t i = 0; i < level.circuit->parameters.size(); ++i)
+    for (std::size_t i = 0; i < level.circuit->parameters.size(); ++i) {
+      const Parameter* first = nullptr;
       for (const std::string& end : level.circuit->parameters[i].ends) {
         const auto [id, name] = split(end);
         const std::string place = level.place + "/parameters/" + std::to_string(i) + "/to";
@@ -436,13 +450,28 @@ class Flattener {
           const auto& inner = item->second.level->circuit->parameters;
           found = std::any_of(inner.begin(), inner.end(), [n = name](const BoundaryParameter& p) { return p.name == n; });
         } else {
-          found = flat_.lsis[static_cast<std::size_t>(item->second.lsi)].lsi_class->find_parameter(name) >= 0;
+          const LsiClass& c = *flat_.lsis[static_cast<std::size_t>(item->second.lsi)].lsi_class;
+          const int k = c.find_parameter(name);
+          found = k >= 0;
+          if (found) check_kind(place, level.circuit->parameters[i], c.parameters[static_cast<std::size_t>(k)], first);
         }
         if (!found)
           problem(ErrorCode::unknown, place,
                   "The circuit's parameter '" + level.circuit->parameters[i].name + "' leads to '" + end + "', which is not there.",
                   "Name a parameter inside as \"id.parameter\".");
       }
+    }
+  }
+
+  /// One value goes to all that a parameter leads to. @param first of them, or null so far
+  void check_kind(const std::string& place, const BoundaryParameter& parameter, const Parameter& inner, const Parameter*& first) {
+    const auto is_number = [](const Parameter& p) { return p.kind == ParameterKind::number || p.kind == ParameterKind::integer; };
+    if (first && first->kind != inner.kind && !(is_number(*first) && is_number(inner)))
+      problem(ErrorCode::structure, place,
+              "The circuit's parameter '" + parameter.name + "' leads to '" + first->name + "', which is " + words(first->kind) +
+                  ", and to '" + inner.name + "', which is " + words(inner.kind) + ".",
+              "Make a parameter for each.");
+    first = &inner;
   }
 
   void connect(const Level& level) {

@@ -46,20 +46,15 @@ struct Unit {
   std::string address;                    ///< of a device: its first text or choice
 };
 
-/// Numbers that are copied at the end of a tick.
-struct ProbeSource {
-  const double* from = nullptr;
-  std::uint32_t count = 0;
-};
-
 struct ProbeBuffer {
-  std::vector<ProbeSource> sources;
-  std::vector<double> rows;  ///< [capacity][width]
+  std::vector<const double*> sources;  ///< [width] numbers that are copied at the end of a tick
+  std::vector<double> rows;            ///< [capacity][width]
   std::vector<std::uint64_t> ticks;
-  std::size_t width = 0;
   std::uint64_t written = 0;  ///< rows so far
   std::size_t next = 0;       ///< row to write
   std::uint32_t every = 1;
+
+  [[nodiscard]] std::size_t width() const { return sources.size(); }
 };
 
 struct ActiveBreakpoint {

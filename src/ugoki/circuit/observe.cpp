@@ -40,15 +40,14 @@ Result<void> Interpreter::set_probes(std::span<const std::string> pins, std::siz
     const int lsi = m.find_unit(std::string_view(pin).substr(0, dot));
     const int k = m.units[static_cast<std::size_t>(lsi)].lsi_class->find_output(std::string_view(pin).substr(dot + 1));
     const std::size_t count = m.view({lsi, k}).numbers().size();
-    probes.sources.push_back({from, static_cast<std::uint32_t>(count)});
-    probes.width += count;
+    for (std::size_t i = 0; i < count; ++i) probes.sources.push_back(from + i);
   }
   if (!problems.empty()) return ugoki::fail(std::move(problems));
-  if (rows == 0 || every == 0 || rows > most_numbers / std::max<std::size_t>(1, probes.width))
+  if (rows == 0 || every == 0 || rows > most_numbers / std::max<std::size_t>(1, probes.width()))
     return ugoki::fail(ErrorCode::range, "probes", "The ring must have room for at least one row, and for at most 1 GB.",
                        "Keep fewer rows, or probe fewer pins.");
   probes.every = every;
-  probes.rows.resize(rows * probes.width);
+  probes.rows.resize(rows * probes.width());
   probes.ticks.resize(rows);
   m.probes = std::move(probes);
   m.update_plain();
@@ -60,7 +59,7 @@ ProbeRows Interpreter::probes() const {
   ProbeRows view;
   view.data_ = p.rows.data();
   view.ticks_ = p.ticks.data();
-  view.width_ = p.width;
+  view.width_ = p.width();
   view.capacity_ = std::max<std::size_t>(1, p.ticks.size());
   view.rows_ = static_cast<std::size_t>(std::min<std::uint64_t>(p.written, p.ticks.size()));
   view.first_ = p.written - view.rows_;
@@ -70,15 +69,8 @@ ProbeRows Interpreter::probes() const {
 void Interpreter::Machine::sample_probes() {
   const std::size_t row = probes.next;
   probes.next = row + 1 == probes.ticks.size() ? 0 : row + 1;
-  double* to = probes.rows.data() + row * probes.width;
-  for (const ProbeSource& s : probes.sources) {
-    if (s.count == 1) {
-      *to++ = *s.from;
-    } else {
-      std::memcpy(to, s.from, s.count * sizeof(double));
-      to += s.count;
-    }
-  }
+  double* to = probes.rows.data() + row * probes.width();
+  for (const double* from : probes.sources) *to++ = *from;
   probes.ticks[row] = tick.index;
   ++probes.written;
 }

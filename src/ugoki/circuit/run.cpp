@@ -109,10 +109,10 @@ std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
   const double dt = tick.dt;
   Activity& noted = *activity;
   const std::uint64_t first = tick.index, end = first + count, passes_before = noted.passes + 1 - first;
-  std::size_t row = probes.next;
-  double* to = probed ? probes.rows.data() + row * probes.width : nullptr;
-  const std::span<std::uint64_t> row_ticks(probes.ticks);
-  const std::span<const ProbeSource> sources(probes.sources);
+  const std::span<const double* const> sources(probes.sources);
+  double* to = probed ? probes.rows.data() + probes.next * sources.size() : nullptr;
+  std::uint64_t* row_tick = probed ? probes.ticks.data() + probes.next : nullptr;
+  std::uint64_t* const last_row = probes.ticks.data() + probes.ticks.size();
   bool not_finite = false;
   const Job* failed = nullptr;
   std::uint64_t index = first;
@@ -127,17 +127,10 @@ std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
     if (failed) [[unlikely]]
       break;
     if constexpr (probed) {
-      row_ticks[row] = index;
-      for (const ProbeSource& s : sources) {
-        if (s.count == 1) {
-          *to++ = *s.from;
-        } else {
-          std::memcpy(to, s.from, s.count * sizeof(double));
-          to += s.count;
-        }
-      }
-      if (++row == row_ticks.size()) {
-        row = 0;
+      for (const double* from : sources) *to++ = *from;
+      *row_tick = index;
+      if (++row_tick == last_row) {
+        row_tick = probes.ticks.data();
         to = probes.rows.data();
       }
     }
@@ -148,7 +141,7 @@ std::uint64_t Interpreter::Machine::run_fast(std::uint64_t count) {
   set_running(noted, nullptr);
   const std::uint64_t done = index - first;
   if constexpr (probed) {
-    probes.next = row;
+    probes.next = static_cast<std::size_t>(row_tick - probes.ticks.data());
     probes.written += done;
   }
   if (failed) fail(*failed, not_finite);
@@ -217,7 +210,7 @@ bool Interpreter::Machine::tick_with_extras() {
     update_plain();
   }
   if (!good) return false;
-  if (probes.width && (probes.every == 1 || tick.index % probes.every == 0)) sample_probes();
+  if (probes.width() && (probes.every == 1 || tick.index % probes.every == 0)) sample_probes();
   if (!breakpoints.empty()) test_breakpoints();
   end_tick();
   return true;
@@ -225,7 +218,7 @@ bool Interpreter::Machine::tick_with_extras() {
 
 void Interpreter::Machine::update_plain() {
   fast = !executor && breakpoints.empty() && !log.recording && log.replay.empty() && cursor == 0 && probes.every == 1;
-  plain = fast && !clock && probes.width == 0;
+  plain = fast && !clock && probes.width() == 0;
 }
 
 std::uint64_t Interpreter::run(std::uint64_t count) {
@@ -235,7 +228,7 @@ std::uint64_t Interpreter::run(std::uint64_t count) {
   m.reason[0] = '\0';
   if (m.plain) return m.run_fast<false, false>(count);
   m.breakpoint_hit = -1;
-  if (m.fast && m.probes.width) return m.clock ? m.run_fast<true, true>(count) : m.run_fast<false, true>(count);
+  if (m.fast && m.probes.width()) return m.clock ? m.run_fast<true, true>(count) : m.run_fast<false, true>(count);
   if (m.fast) return m.run_fast<true, false>(count);
   std::uint64_t done = 0;
   while (done < count) {

@@ -60,6 +60,11 @@ using fmi3UnlockPreemptionCallback = void (*)();
   X(fmi3Status, DoStep,                                                                                                                   \
     (fmi3Instance, fmi3Float64 now, fmi3Float64 step, fmi3Boolean never_back, fmi3Boolean * event, fmi3Boolean * terminate,               \
      fmi3Boolean * early, fmi3Float64 * last))                                                                                            \
+  X(fmi3Status, EnterEventMode, (fmi3Instance))                                                                                           \
+  X(fmi3Status, UpdateDiscreteStates,                                                                                                     \
+    (fmi3Instance, fmi3Boolean * again, fmi3Boolean * terminate, fmi3Boolean * nominals, fmi3Boolean * states, fmi3Boolean * has_next,    \
+     fmi3Float64 * next))                                                                                                                 \
+  X(fmi3Status, EnterStepMode, (fmi3Instance))                                                                                            \
   X(fmi3Status, GetFMUState, (fmi3Instance, fmi3FMUState*))                                                                               \
   X(fmi3Status, SetFMUState, (fmi3Instance, fmi3FMUState))                                                                                \
   X(fmi3Status, FreeFMUState, (fmi3Instance, fmi3FMUState*))                                                                              \

@@ -128,7 +128,10 @@ Result<std::shared_ptr<Code>> Code::open(const Archive& archive, const ModelDesc
     function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(handle, name));
     if (!function && needed) missing += (missing.empty() ? "" : ", ") + std::string(name);
   };
-  const auto is_needed = [&](std::string_view name) { return name.find("FMU") == std::string_view::npos || d.saves_state; };
+  const auto is_needed = [&](std::string_view name) {
+    if (name == "EnterEventMode" || name == "UpdateDiscreteStates" || name == "EnterStepMode") return d.event_mode;
+    return name.find("FMU") == std::string_view::npos || d.saves_state;
+  };
   if (d.version == 2) {
 #define UGOKI_FMI_FIND(result, name, arguments) find(code->two_.name, "fmi2" #name, is_needed(#name));
     UGOKI_FMI2_FUNCTIONS(UGOKI_FMI_FIND)

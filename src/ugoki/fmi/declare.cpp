@@ -167,7 +167,8 @@ class Declarer {
     }
   }
   [[nodiscard]] PinBinding bind(const Variable& v, std::size_t pin) const {
-    return {storage_of(v.type, d_.version), v.reference, static_cast<std::uint32_t>(pin), static_cast<std::uint32_t>(v.count())};
+    return {storage_of(v.type, d_.version), v.reference, static_cast<std::uint32_t>(pin), static_cast<std::uint32_t>(v.count()),
+            v.variability != Variability::continuous};
   }
 
   void add_input(Declaration& out, const Variable& v) {

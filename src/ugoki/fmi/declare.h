@@ -20,6 +20,7 @@ struct PinBinding {
   ValueReference reference = 0;
   std::uint32_t pin = 0;
   std::uint32_t count = 1;  ///< numbers
+  bool discrete = false;    ///< changes at events only
 };
 
 /// A variable and the numbers of Call::parameters that stand for it, or its text.

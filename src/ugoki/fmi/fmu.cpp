@@ -85,6 +85,10 @@ Result<void> Fmu::measure(std::size_t& bytes) {
   if (unit->enter_initialization(0) > Status::warning || unit->exit_initialization() > Status::warning)
     return fail(ErrorCode::structure, path_, "The FMU cannot be initialised with its own start values: " + words_of(*unit) + ".",
                 "It may need parameters or inputs to be set first.");
+  EventEnd events;
+  if (unit->finish_events(events) > Status::warning)
+    return fail(ErrorCode::structure, path_, "The FMU cannot handle its first event: " + words_of(*unit) + ".",
+                "It may need parameters or inputs to be set first.");
   void* state = nullptr;
   std::size_t size = 0;
   if (description_.serializes_state && unit->get_state(state) <= Status::warning && state) {

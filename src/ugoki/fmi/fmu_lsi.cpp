@@ -10,6 +10,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/circuit/setup.h"
 #include "ugoki/fmi/fmu.h"
+#include "ugoki/fmi/group.h"
 #include "ugoki/fmi/messages.h"
 
 namespace ugoki::fmi {
@@ -20,96 +21,23 @@ using circuit::Setup;
 
 constexpr std::size_t most_held = 256;  // states that are kept of an FMU that saves but does not serialise
 
-/// Calls visit with a value of the C++ type of a storage.
-template <class Visit>
-auto with_type(Storage storage, Visit visit) {
-  switch (storage) {
-    case Storage::f64: return visit(double{});
-    case Storage::f32: return visit(float{});
-    case Storage::i8: return visit(std::int8_t{});
-    case Storage::u8: return visit(std::uint8_t{});
-    case Storage::i16: return visit(std::int16_t{});
-    case Storage::u16: return visit(std::uint16_t{});
-    case Storage::i32: return visit(std::int32_t{});
-    case Storage::u32: return visit(std::uint32_t{});
-    case Storage::i64: return visit(std::int64_t{});
-    case Storage::u64: return visit(std::uint64_t{});
-    case Storage::b8:
-    case Storage::b32: break;
-  }
-  return visit(bool{});
+/// Bytes of what the FMU was given last (tunable parameters, discrete inputs), in the saved state.
+std::size_t given_bytes(const Declaration& d) {
+  std::size_t bytes = 0;
+  for (const ParameterBinding& b : d.parameters) bytes += b.tunable ? b.count * sizeof(double) : 0;
+  for (const PinBinding& b : d.inputs) bytes += b.discrete ? b.count * bytes_of(b.storage) : 0;
+  return (bytes + 7) / 8 * 8;
 }
 
-/// False: the number does not fit. Whole types take the nearest whole number; true is what is above 0, as for all LSIs.
-bool write(Storage storage, double x, std::byte* to) {
-  if (storage == Storage::b32) {
-    const int yes = x > 0;
-    std::memcpy(to, &yes, sizeof yes);
-    return true;
-  }
-  return with_type(storage, [&]<class T>(T) {
-    if constexpr (std::is_same_v<T, bool>) {
-      const bool yes = x > 0;
-      std::memcpy(to, &yes, sizeof yes);
-    } else {
-      double y = x;
-      if constexpr (std::is_integral_v<T>) {
-        y = std::floor(x + 0.5);
-        if (!(y >= static_cast<double>(std::numeric_limits<T>::min()) && y < std::ldexp(1.0, std::numeric_limits<T>::digits))) return false;
-      } else if constexpr (std::is_same_v<T, float>) {
-        if (!(std::fabs(x) <= static_cast<double>(std::numeric_limits<float>::max()))) return false;
-      }
-      const T value = static_cast<T>(y);
-      std::memcpy(to, &value, sizeof value);
-    }
-    return true;
-  });
-}
-
-double read(Storage storage, const std::byte* from) {
-  if (storage == Storage::b8) return *from != std::byte{0} ? 1.0 : 0.0;
-  if (storage == Storage::b32) {
-    int yes = 0;
-    std::memcpy(&yes, from, sizeof yes);
-    return yes != 0 ? 1.0 : 0.0;
-  }
-  return with_type(storage, [&]<class T>(T value) {
-    std::memcpy(&value, from, sizeof value);
-    return static_cast<double>(value);
-  });
-}
-
-/// Variables of one type, which travel together.
-struct Group {
-  Storage storage = Storage::f64;
-  std::vector<ValueReference> references;
-  std::vector<PinBinding> pins;
-  std::vector<std::uint64_t> memory;  // 8-byte aligned
-  std::size_t count = 0;              // numbers
-
-  [[nodiscard]] std::byte* bytes() { return reinterpret_cast<std::byte*>(memory.data()); }
-};
-
-std::vector<Group> group(const std::vector<PinBinding>& pins) {
-  std::vector<Group> out;
-  for (const PinBinding& p : pins) {
-    auto at = std::find_if(out.begin(), out.end(), [&](const Group& g) { return g.storage == p.storage; });
-    if (at == out.end()) at = out.insert(out.end(), Group{p.storage, {}, {}, {}, 0});
-    at->references.push_back(p.reference);
-    at->pins.push_back(p);
-    at->count += p.count;
-  }
-  for (Group& g : out) g.memory.resize(g.count * bytes_of(g.storage) / 8 + 1);
-  return out;
-}
-
-/// In front of what `store` writes into the LSI's state.
+/// In front of what `store` writes into the LSI's state. Behind it: what the FMU was given last, then the FMU's own state.
 struct SavedHead {
   enum Kind : std::uint64_t { nothing, bytes, held };
   std::uint64_t kind = nothing;
   std::uint64_t size = 0;   // bytes behind this; or number of the held state
   std::uint64_t owner = 0;  // address of the instance that holds it
   double until = 0;         // s
+  double next_event = 0;    // s
+  std::uint64_t given = 0;  // 1: it was given discrete inputs
 };
 
 class Running {
@@ -127,7 +55,15 @@ class Running {
  private:
   bool make_unit(std::string& why);
   std::int32_t initialise(const Call* call, double start);
-  std::int32_t set_group(const Call* call, Group& g);
+  std::int32_t convert(const Call* call, Group& g);
+  std::int32_t give(const Call* call, Group& g);
+  std::int32_t set_group(const Call* call, Group& g) {
+    const std::int32_t bad = convert(call, g);
+    return bad ? bad : give(call, g);
+  }
+  [[nodiscard]] bool has_changed(const Call* call, std::size_t parameter) const;
+  std::int32_t set_inputs(const Call* call);
+  std::int32_t finish_events(const Call* call, double now);
   std::int32_t set_parameter(const Call* call, const ParameterBinding& b);
   std::int32_t set_parameters(const Call* call);
   std::int32_t set_changed(const Call* call);
@@ -135,6 +71,13 @@ class Running {
   std::int32_t fail(const Call* call, Status status, const std::string& what);
   [[nodiscard]] const std::string& name_of_input(const PinBinding& b) const { return class_.declaration.lsi_class.inputs[b.pin].name; }
   void drop_held();
+  /// Calls visit(address, bytes) with what the FMU was given last.
+  template <class Visit>
+  void visit_given(Visit visit) {
+    for (std::size_t i = 0; i < set_.size(); ++i)
+      if (class_.declaration.parameters[i].tunable) visit(set_[i].data(), set_[i].size() * sizeof(double));
+    for (Group& g : discrete_) visit(g.given.data(), g.size());
+  }
 
   const FmuClass& class_;
   Fmu& fmu_;
@@ -143,29 +86,34 @@ class Running {
   std::uint32_t every_ = 1;
   std::unique_ptr<Unit> unit_;
   std::vector<Group> wired_, given_, outputs_;  // inputs with a wire, inputs with a value, outputs
+  std::vector<Group> discrete_;                 // inputs with a wire that may be set at events only
   std::vector<std::string> texts_;              // of text parameters, in the order of bindings
-  std::vector<std::vector<double>> set_;        // [bindings] what the FMU has been given last; empty: unknown
+  std::vector<std::vector<double>> set_;        // [bindings] what the FMU has been given last, of numbers
   std::vector<std::uint64_t> scratch_;
   std::map<std::uint64_t, void*> held_;
   std::uint64_t next_held_ = 1;
+  double next_event_ = std::numeric_limits<double>::infinity();  // s
+  bool are_discrete_given_ = false;
   bool initialised_ = false, dead_ = false, afresh_ = false;
 };
 
 Running::Running(const FmuClass& c, Setup& setup) : class_(c), fmu_(*c.fmu), id_(setup.id()), every_(std::max(1u, setup.every())) {
   const Declaration& d = c.declaration;
-  std::vector<PinBinding> wired, given;
-  for (const PinBinding& b : d.inputs) (setup.wires(b.pin) > 0 ? wired : given).push_back(b);
+  std::vector<PinBinding> wired, given, discrete;
+  const bool has_events = fmu_.description().event_mode;
+  for (const PinBinding& b : d.inputs) (setup.wires(b.pin) == 0 ? given : has_events && b.discrete ? discrete : wired).push_back(b);
   wired_ = group(wired);
+  discrete_ = group(discrete);
   given_ = group(given);
   outputs_ = group(d.outputs);
   std::size_t largest = 1;
   for (const ParameterBinding& b : d.parameters) {
     texts_.push_back(b.text ? setup.text(b.name) : std::string());
+    set_.emplace_back(b.text ? 0 : b.count);
     largest = std::max(largest, b.start.size() * 8);
     largest = std::max<std::size_t>(largest, b.count * 8u);
   }
   scratch_.resize(largest / 8 + 1);
-  set_.resize(d.parameters.size());
   if (d.logging >= 0) logging_ = setup.boolean("logging");
   ++fmu_.instances;
 }
@@ -237,7 +185,7 @@ std::int32_t Running::fail(const Call* call, Status status, const std::string& w
   return circuit::stop(call, text);
 }
 
-std::int32_t Running::set_group(const Call* call, Group& g) {
+std::int32_t Running::convert(const Call* call, Group& g) {
   std::byte* to = g.bytes();
   for (const PinBinding& b : g.pins) {
     const double* from = circuit::input(call, b.pin);
@@ -246,6 +194,10 @@ std::int32_t Running::set_group(const Call* call, Group& g) {
         return circuit::stop(
             call, "The input '" + name_of_input(b) + "' cannot hold " + to_text(from[k]) + ", which its type in the FMU does not have.");
   }
+  return 0;
+}
+
+std::int32_t Running::give(const Call* call, Group& g) {
   const Status status = unit_->set(g.storage, g.references, g.bytes(), g.count);
   if (status <= Status::warning) return 0;
   std::string names;
@@ -294,13 +246,54 @@ std::int32_t Running::set_parameters(const Call* call) {
   return 0;
 }
 
+bool Running::has_changed(const Call* call, std::size_t parameter) const {
+  const ParameterBinding& b = class_.declaration.parameters[parameter];
+  const double* now = call->parameters + b.first;
+  return b.tunable && !b.text && !std::equal(set_[parameter].begin(), set_[parameter].end(), now, now + b.count);
+}
+
 std::int32_t Running::set_changed(const Call* call) {
   const std::vector<ParameterBinding>& all = class_.declaration.parameters;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double* now = call->parameters + all[i].first;
-    if (!all[i].tunable || all[i].text || std::equal(set_[i].begin(), set_[i].end(), now, now + all[i].count)) continue;
-    if (const std::int32_t bad = set_parameter(call, all[i])) return bad;
+    if (has_changed(call, i))
+      if (const std::int32_t bad = set_parameter(call, all[i])) return bad;
   }
+  return 0;
+}
+
+std::int32_t Running::finish_events(const Call* call, double now) {
+  EventEnd end;
+  if (const Status status = unit_->finish_events(end); status > Status::warning)
+    return fail(call, status, "The FMU cannot handle its event at " + to_fixed(now, 6) + " s");
+  if (end.terminated) return fail(call, Status::ok, "The FMU asks for the end of the simulation at " + to_fixed(now, 6) + " s");
+  next_event_ = end.next;
+  return 0;
+}
+
+/// Before a step. In event mode parameters and discrete inputs may change at an event only, and a change of theirs is one.
+std::int32_t Running::set_inputs(const Call* call) {
+  if (unit_->has_events()) {
+    bool event = !are_discrete_given_ && !discrete_.empty();
+    for (Group& g : discrete_) {
+      if (const std::int32_t bad = convert(call, g)) return bad;
+      event = event || std::memcmp(g.memory.data(), g.given.data(), g.size()) != 0;
+    }
+    for (std::size_t i = 0; i < set_.size(); ++i) event = event || has_changed(call, i);
+    if (event) {
+      if (const Status status = unit_->enter_events(); status > Status::warning) return fail(call, status, "The FMU refuses an event");
+      if (const std::int32_t bad = set_changed(call)) return bad;
+      for (Group& g : discrete_) {
+        if (const std::int32_t bad = give(call, g)) return bad;
+        g.given = g.memory;
+      }
+      are_discrete_given_ = true;
+      if (const std::int32_t bad = finish_events(call, call->tick->time)) return bad;
+    }
+  } else if (const std::int32_t bad = set_changed(call)) {
+    return bad;
+  }
+  for (Group& g : wired_)
+    if (const std::int32_t bad = set_group(call, g)) return bad;
   return 0;
 }
 
@@ -327,6 +320,8 @@ std::int32_t Running::initialise(const Call* call, double start) {
   if (const Status status = unit_->exit_initialization(); status > Status::warning)
     return fail(call, status, "The FMU cannot be initialised");
   initialised_ = true;
+  are_discrete_given_ = false;
+  if (const std::int32_t bad = finish_events(call, start)) return bad;
   return get_outputs(call);
 }
 
@@ -355,18 +350,24 @@ std::int32_t Running::advance(const Call* call) {
     if (const Status status = unit_->reset(); status > Status::warning) return fail(call, status, "The FMU cannot start afresh");
     if (const std::int32_t bad = initialise(call, now)) return bad;
   }
-  if (const std::int32_t bad = set_changed(call)) return bad;
-  for (Group& g : wired_)
-    if (const std::int32_t bad = set_group(call, g)) return bad;
+  if (const std::int32_t bad = set_inputs(call)) return bad;
+  const double close = 1e-9 * size;
   double at = now;
-  for (int parts = 0; parts < 1000; ++parts) {  // an FMU may return early
+  for (int parts = 0; parts < 1000; ++parts) {  // an FMU may return early, and events divide the step
     StepEnd end;
-    const Status status = unit_->step(at, now + size - at, end);
+    const bool to_event = fmu_.description().variable_step && next_event_ > at + close && next_event_ < now + size - close;
+    const Status status = unit_->step(at, (to_event ? next_event_ : now + size) - at, end);
     if (end.terminated) return fail(call, Status::ok, "The FMU asks for the end of the simulation at " + to_fixed(end.reached, 6) + " s");
     if (status == Status::discard) return fail(call, status, "The FMU cannot compute the step beyond " + to_fixed(end.reached, 6) + " s");
     if (status > Status::warning) return fail(call, status, "The FMU reports an error in its step");
-    if (end.reached >= now + size - 1e-9 * size) return get_outputs(call);
-    if (!(end.reached > at)) break;
+    const bool event = unit_->has_events() && (end.event || end.reached >= next_event_ - close);
+    if (event) {
+      if (const Status entered = unit_->enter_events(); entered > Status::warning)
+        return fail(call, entered, "The FMU refuses its event at " + to_fixed(end.reached, 6) + " s");
+      if (const std::int32_t bad = finish_events(call, end.reached)) return bad;
+    }
+    if (end.reached >= now + size - close) return get_outputs(call);
+    if (!(end.reached > at) && !event) break;
     at = end.reached;
   }
   return fail(call, Status::error, "The FMU does not get to the end of its step");
@@ -376,13 +377,21 @@ void Running::store(const Call* call) {
   auto* to = static_cast<std::byte*>(call->state);
   SavedHead head;
   head.until = call->tick->time;
+  head.next_event = next_event_;
+  head.given = are_discrete_given_;
+  std::byte* given = to + sizeof head;
+  visit_given([&given](void* values, std::size_t size) {
+    std::memcpy(given, values, size);
+    given += size;
+  });
+  const std::size_t first = sizeof head + given_bytes(class_.declaration);
   void* state = nullptr;
   const ModelDescription& d = fmu_.description();
   if (unit_ && !dead_ && initialised_ && !afresh_ && d.saves_state && unit_->get_state(state) <= Status::warning && state) {
     std::size_t size = 0;
     const std::size_t room = fmu_.state_bytes();
     if (room > 0 && unit_->serialized_size(state, size) <= Status::warning && size <= room &&
-        unit_->serialize(state, {to + sizeof head, size}) <= Status::warning) {
+        unit_->serialize(state, {to + first, size}) <= Status::warning) {
       head.kind = SavedHead::bytes;
       head.size = size;
       unit_->free_state(state);
@@ -404,14 +413,20 @@ void Running::recall(const Call* call) {
   const auto* from = static_cast<const std::byte*>(call->state);
   SavedHead head;
   std::memcpy(&head, from, sizeof head);
-  for (std::vector<double>& values : set_) values.clear();
+  next_event_ = head.next_event;
+  are_discrete_given_ = head.given != 0;
+  const std::byte* given = from + sizeof head;
+  visit_given([&given](void* values, std::size_t size) {
+    std::memcpy(values, given, size);
+    given += size;
+  });
+  const std::size_t first = sizeof head + given_bytes(class_.declaration);
   afresh_ = false;
   void* state = nullptr;
   bool done = false;
   if (unit_ && !dead_ && initialised_) {
     if (head.kind == SavedHead::bytes && head.size <= fmu_.state_bytes()) {
-      done = unit_->deserialize({from + sizeof head, head.size}, state) <= Status::warning && state &&
-             unit_->set_state(state) <= Status::warning;
+      done = unit_->deserialize({from + first, head.size}, state) <= Status::warning && state && unit_->set_state(state) <= Status::warning;
       if (state) unit_->free_state(state);
     } else if (head.kind == SavedHead::held && head.owner == reinterpret_cast<std::uintptr_t>(this)) {
       const auto found = held_.find(head.size);
@@ -428,7 +443,9 @@ void Running::recall(const Call* call) {
 const FmuClass& class_of(const Setup& setup) { return *static_cast<const FmuClass*>(setup.lsi_class().abi); }
 Running& of(const Call* call) { return *static_cast<Running*>(call->object); }
 
-void configure(Setup& setup) { setup.set_state(sizeof(SavedHead) + class_of(setup).fmu->state_bytes()); }
+void configure(Setup& setup) {
+  setup.set_state(sizeof(SavedHead) + given_bytes(class_of(setup).declaration) + class_of(setup).fmu->state_bytes());
+}
 
 void* make(Setup& setup) {
   auto running = std::make_unique<Running>(class_of(setup), setup);

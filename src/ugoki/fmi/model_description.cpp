@@ -373,6 +373,9 @@ class Reader {
     std::set<ValueReference> references;
     std::uint64_t all = 0;
     for (const Variable& v : out_.variables) {
+      if (v.type == VariableType::clock && v.causality == Causality::input)
+        wrong(v, ErrorCode::unsupported, "The input '" + v.name + "' is a clock, which somebody has to tick; nothing here does.",
+              "Export it again with clocks of its own (outputs or local), or without any.");
       if (!names.insert(v.name).second) wrong(v, ErrorCode::duplicate, "Two variables are called '" + v.name + "'.");
       if (out_.version == 3 && !references.insert(v.reference).second)
         wrong(v, ErrorCode::duplicate, "Two variables have the value reference " + std::to_string(v.reference) + ".");
@@ -386,9 +389,9 @@ class Reader {
               "'" + v.name + "' has " + std::to_string(v.start.size()) + " starts for " + std::to_string(count) + " elements.");
     }
   }
-  void wrong(const Variable& v, ErrorCode code, std::string message) {
+  void wrong(const Variable& v, ErrorCode code, std::string message, std::string remedy = "Export the FMU again.") {
     if (problems_.problems.size() < most_problems)
-      problems_.add(code, place_ + ":" + std::to_string(v.line), std::move(message), "Export the FMU again.");
+      problems_.add(code, place_ + ":" + std::to_string(v.line), std::move(message), std::move(remedy));
   }
 
   struct OpenDimension {

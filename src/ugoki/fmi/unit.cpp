@@ -1,5 +1,6 @@
 #include "ugoki/fmi/unit.h"
 
+#include <algorithm>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +12,7 @@ namespace {
 
 constexpr int most_noted = 200;             // messages of one instance that are shown
 constexpr std::size_t longest_note = 2000;  // bytes
+constexpr int most_rounds = 1000;           // of one event
 
 /// What is called alike in both versions of the standard.
 template <class Functions, class ForeignStatus, ForeignStatus last>
@@ -112,8 +114,8 @@ class Unit3 final : public UnitOf<Functions3, fmi3Status, fmi3Fatal> {
   ~Unit3() override { free(); }
 
   bool instantiate() override {
-    instance_ = f_.InstantiateCoSimulation(name_.c_str(), description_.token.c_str(), code_->resources().c_str(), false, logging_, false,
-                                           false, nullptr, 0, this, log, nullptr);
+    instance_ = f_.InstantiateCoSimulation(name_.c_str(), description_.token.c_str(), code_->resources().c_str(), false, logging_,
+                                           has_events(), has_events(), nullptr, 0, this, log, nullptr);
     if (instance_ && logging_) (void)f_.SetDebugLogging(instance_, true, 0, nullptr);
     return instance_ != nullptr;
   }
@@ -123,8 +125,32 @@ class Unit3 final : public UnitOf<Functions3, fmi3Status, fmi3Fatal> {
     double reached = now + size;
     end.status = as(f_.DoStep(instance_, now, size, true, &event, &terminate, &early, &reached));
     end.terminated = terminate;
+    end.event = event;
     end.reached = early || end.status == Status::discard ? reached : now + size;
     return end.status;
+  }
+  bool has_events() const override { return description_.event_mode; }
+  Status enter_events() override { return as(f_.EnterEventMode(instance_)); }
+  Status finish_events(EventEnd& end) override {
+    bool again = has_events();
+    if (!again) return Status::ok;
+    Status worst = Status::ok;
+    for (int round = 0; again; ++round) {
+      if (round == most_rounds) {
+        note(Status::error, "", "Its events do not come to an end (" + std::to_string(most_rounds) + " rounds).");
+        return Status::error;
+      }
+      bool terminate = false, nominals = false, states = false, has_next = false;
+      double next = 0;
+      again = false;
+      const Status status = as(f_.UpdateDiscreteStates(instance_, &again, &terminate, &nominals, &states, &has_next, &next));
+      if (status > Status::warning) return status;
+      worst = std::max(worst, status);
+      end.next = has_next ? next : std::numeric_limits<double>::infinity();
+      end.terminated = terminate;
+      if (terminate) return worst;
+    }
+    return std::max(worst, as(f_.EnterStepMode(instance_)));
   }
 
   Status set(Storage storage, std::span<const ValueReference> r, const void* values, std::size_t count) override {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,7 +21,14 @@ enum class Status : std::uint8_t { ok, warning, discard, error, fatal, pending }
 struct StepEnd {
   Status status = Status::ok;
   bool terminated = false;  ///< the FMU wants the simulation to end
+  bool event = false;       ///< there is an event at `reached`, to be handled before the next step
   double reached = 0;       ///< s, time up to which it computed
+};
+
+/// What the FMU says when its events are handled.
+struct EventEnd {
+  bool terminated = false;                                ///< it wants the simulation to end
+  double next = std::numeric_limits<double>::infinity();  ///< s, time of an event that it knows of
 };
 
 class Unit {
@@ -37,6 +45,11 @@ class Unit {
   [[nodiscard]] virtual Status enter_initialization(double start) = 0;
   [[nodiscard]] virtual Status exit_initialization() = 0;
   [[nodiscard]] virtual Status step(double now, double size, StepEnd& end) = 0;
+  /// Whether it was made with event mode: after initialisation and after enter_events(), finish_events() leads to the next step;
+  /// parameters and discrete inputs are set between the two. Without, there is nothing to do.
+  [[nodiscard]] virtual bool has_events() const { return false; }
+  [[nodiscard]] virtual Status enter_events() { return Status::ok; }
+  [[nodiscard]] virtual Status finish_events(EventEnd&) { return Status::ok; }
   [[nodiscard]] virtual Status reset() = 0;
   virtual void terminate() = 0;
   virtual void free() = 0;

@@ -46,6 +46,31 @@ std::string excess_of(std::string_view text) {
   return {};
 }
 
+/// The second of two fields of one name in one object, of which the library would drop one without a word. @param text valid JSON
+/// @return the name as it stands there; null: none
+std::string_view repeated_field(std::string_view text) {
+  std::vector<std::string_view> names;  // of the open objects
+  std::vector<std::size_t> first;       // [open objects] in names
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '{') {
+      first.push_back(names.size());
+    } else if (text[i] == '}') {
+      const auto begin = names.begin() + static_cast<std::ptrdiff_t>(first.back());
+      std::sort(begin, names.end(), [](std::string_view a, std::string_view b) { return a < b || (a == b && a.data() < b.data()); });
+      if (const auto same = std::adjacent_find(begin, names.end()); same != names.end()) return *(same + 1);
+      names.erase(begin, names.end());
+      first.pop_back();
+    } else if (text[i] == '"') {
+      const std::size_t from = ++i;
+      for (; text[i] != '"'; ++i)
+        if (text[i] == '\\') ++i;
+      const std::size_t next = text.find_first_not_of(" \t\r\n", i + 1);
+      if (next != std::string_view::npos && text[next] == ':') names.push_back(text.substr(from, i - from));
+    }
+  }
+  return {};
+}
+
 /// Remembers where the text stops making sense; builds nothing. Without exceptions the library tells it only so.
 class FaultFinder : public nlohmann::json_sax<Json> {
  public:
@@ -68,12 +93,16 @@ class FaultFinder : public nlohmann::json_sax<Json> {
   }
 };
 
+/// "name:line"
+std::string place_of(std::string_view name, std::string_view text, std::size_t offset) {
+  return std::string(name) + ":" + std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n'));
+}
+
 std::unexpected<Error> fault(std::string_view text, std::string_view name) {
   FaultFinder finder;
   (void)Json::sax_parse(text.begin(), text.end(), &finder);
   const std::size_t before = std::min(finder.read > 0 ? finder.read - 1 : 0, text.size());
-  const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(before), '\n');
-  const std::string place = std::string(name) + ":" + std::to_string(line);
+  const std::string place = place_of(name, text, before);
   if (text.empty()) return fail(ErrorCode::truncated, place, "The text is empty, not JSON.", "Give a JSON document.");
   if (finder.read > text.size())
     return fail(ErrorCode::truncated, place, "The JSON text ends too early.", "Close what is open: a quote or a bracket.");
@@ -92,6 +121,9 @@ Result<Json> parse_json(std::string_view text, std::string_view name, std::size_
     return fail(ErrorCode::range, std::string(name), excess, "No valid document is like that; write it anew.");
   Json json = Json::parse(text.begin(), text.end(), nullptr, false);
   if (json.is_discarded()) return fault(text, name);
+  if (const std::string_view field = repeated_field(text); field.data())
+    return fail(ErrorCode::duplicate, place_of(name, text, static_cast<std::size_t>(field.data() - text.data())),
+                "The field '" + std::string(field.substr(0, 100)) + "' stands in its object twice.", "Remove one of the two.");
   return json;
 }
 

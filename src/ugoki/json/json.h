@@ -19,7 +19,7 @@ inline constexpr int max_fields = 1000;
 inline constexpr std::size_t usual_max_size = 64u << 20;
 
 /// Parses text: at most `max_size` bytes, at most max_depth levels deep, at most max_fields in an object, valid UTF-8 with or without byte
-/// order mark; never throws. Errors (place: name:line) say `truncated` where the text ends too early.
+/// order mark, no field twice in an object; never throws. Errors (place: name:line) say `truncated` where the text ends too early.
 [[nodiscard]] Result<Json> parse_json(std::string_view text, std::string_view name, std::size_t max_size = usual_max_size);
 
 /// "an object", "a number" ...: for messages.

@@ -15,7 +15,7 @@
 
 enum { OK, WARNING, DISCARD, ERROR_, FATAL };
 typedef enum { F64, F32, I8, U8, I16, U16, I32, U32, I64, U64, B8, TEXT } Kind;
-typedef enum { INPUT, OUTPUT, LOCAL, FIXED, TUNABLE } Role;
+typedef enum { INPUT, DISCRETE, OUTPUT, LOCAL, FIXED, TUNABLE } Role; /* DISCRETE: an input, set at events only where they are used */
 typedef struct {
   unsigned reference;
   Kind kind;
@@ -31,11 +31,11 @@ static void say(Instance* self, int status, const char* text);
 
 #define VARIABLE_COUNT (sizeof variables / sizeof variables[0])
 
-enum { INSTANTIATED, INITIALIZING, STEPPING, ENDED };
+enum { INSTANTIATED, INITIALIZING, STEPPING, EVENTS, ENDED };
 struct Instance {
   Model model;
   int mode;
-  bool logging;
+  bool logging, uses_events, event_due, again;
   double start, now;
   char name[64], resources[512];
   void* environment;
@@ -65,6 +65,8 @@ static const Var* find(unsigned reference, Kind kind) {
 
 static bool may_set(const Instance* self, const Var* v) {
   if (v->role == INPUT) return self->mode <= STEPPING;
+  if (self->uses_events && (v->role == DISCRETE || v->role == TUNABLE)) return self->mode <= INITIALIZING || self->mode == EVENTS;
+  if (v->role == DISCRETE) return self->mode <= STEPPING;
   if (v->role == FIXED) return self->mode <= INITIALIZING;
   if (v->role == TUNABLE) return self->mode <= STEPPING;
   return self->mode <= INITIALIZING && v->role == OUTPUT; /* start values that are exact */
@@ -117,11 +119,11 @@ static int enter_initialization(Instance* self, double start) {
 }
 static int exit_initialization(Instance* self) {
   if (!self || self->mode != INITIALIZING) return ERROR_;
-  self->mode = STEPPING;
+  self->mode = self->uses_events ? EVENTS : STEPPING;
   return OK;
 }
 static int end_simulation(Instance* self) {
-  if (!self || self->mode != STEPPING) return ERROR_;
+  if (!self || (self->mode != STEPPING && self->mode != EVENTS)) return ERROR_;
   self->mode = ENDED;
   return OK;
 }
@@ -129,11 +131,12 @@ static int start_again(Instance* self) {
   if (!self) return ERROR_;
   self->mode = INSTANTIATED;
   self->now = 0;
+  self->event_due = self->again = false;
   model_start(&self->model);
   return OK;
 }
 static int step(Instance* self, double now, double size, bool* terminate, double* reached) {
-  if (!self || self->mode != STEPPING) return ERROR_;
+  if (!self || self->mode != STEPPING || self->event_due) return ERROR_;
   if (fabs(now - self->now) > 1e-9 * (1 + fabs(now)) || !(size > 0)) {
     say(self, ERROR_, "The communication point is not where the last step ended.");
     return ERROR_;
@@ -306,13 +309,14 @@ EXPORT int fmi3SetDebugLogging(void* c, bool on, size_t n, const char* const* na
 EXPORT void* fmi3InstantiateCoSimulation(const char* name, const char* token, const char* resources, bool visible, bool logging,
                                          bool events, bool early, const unsigned* required, size_t n, void* environment, Log3 log,
                                          void* update) {
-  (void)visible, (void)events, (void)early, (void)required, (void)n, (void)update;
+  (void)visible, (void)early, (void)required, (void)n, (void)update;
   Instance* self = make_instance(name, token, resources);
   if (!self) {
     log(environment, ERROR_, "logStatusError", "The name or the token is wrong.");
     return NULL;
   }
   self->logging = logging;
+  self->uses_events = events;
   self->environment = environment;
   self->log = (void (*)(void))log;
   return self;
@@ -359,7 +363,34 @@ EXPORT int fmi3DoStep(void* c, double now, double size, bool never_back, bool* e
   } else if (status == OK && !*terminate) {
     *last = now + size;
   }
+#ifdef EVENT_MODE
+  *event = ((Instance*)c)->event_due = status == OK && !*terminate && model_event(&((Instance*)c)->model, *last);
+#endif
   return status;
+}
+EXPORT int fmi3EnterEventMode(void* c) {
+  Instance* self = c;
+  if (!self || self->mode != STEPPING || !self->uses_events) return ERROR_;
+  self->mode = EVENTS;
+  return OK;
+}
+EXPORT int fmi3UpdateDiscreteStates(void* c, bool* again, bool* terminate, bool* nominals, bool* states, bool* has_next, double* next) {
+  Instance* self = c;
+  if (!self || self->mode != EVENTS) return ERROR_;
+  *again = *terminate = *nominals = *states = *has_next = self->event_due = false;
+  int status = OK;
+#ifdef EVENT_MODE
+  *has_next = true;
+  status = model_update(self, &self->model, self->now, again, terminate, next);
+#endif
+  self->again = *again;
+  return status;
+}
+EXPORT int fmi3EnterStepMode(void* c) {
+  Instance* self = c;
+  if (!self || self->mode != EVENTS || self->again) return ERROR_;
+  self->mode = STEPPING;
+  return OK;
 }
 EXPORT int fmi3GetFMUState(void* c, void** s) { return get_state(c, s); }
 EXPORT int fmi3SetFMUState(void* c, void* s) { return set_state(c, s); }
