@@ -41,17 +41,15 @@ class Changes {
   Changes(const Changes&) = delete;
   Changes& operator=(const Changes&) = delete;
 
+  /// @param line see is_change
   void make(std::string_view line) {
     const std::string_view first = next_word(line);
     if (first == "-") {
       const std::string_view table = next_word(line);
-      if (is_identifier(table)) run("DELETE FROM " + std::string(table) + where(table, "?1"), {}, line);
-      return;
+      return run("DELETE FROM " + std::string(table) + where(table, "?1"), {}, line);
     }
     const std::size_t dot = first.find('.');
-    if (dot == std::string_view::npos) return;
     const std::string_view table = first.substr(0, dot), column = first.substr(dot + 1);
-    if (!is_identifier(table) || !is_identifier(column)) return;
     const std::string_view key = next_word(line);
     if (first == "blob.bytes") return set_blob(key, line);
     const bool resource = first == "resource.data";
@@ -97,6 +95,21 @@ class Changes {
   store::Database& database_;
 };
 
+/// Whether a line names what it changes.
+bool is_change(std::string_view line) {
+  const std::string_view first = next_word(line);
+  if (first == "-") return is_identifier(next_word(line));
+  const std::size_t dot = first.find('.');
+  return dot != std::string_view::npos && is_identifier(first.substr(0, dot)) && is_identifier(first.substr(dot + 1));
+}
+
+void change_rows(const std::string& path, const std::vector<std::string_view>& lines) {
+  auto database = store::Database::open(path, store::OpenMode::read_write);
+  UGOKI_CHECK(database.has_value());
+  Changes changes(*database);
+  for (const std::string_view line : lines) changes.make(line);
+}
+
 }  // namespace
 
 std::vector<std::byte> bytes_of(std::string_view text) {
@@ -129,36 +142,35 @@ void into_one_file(const std::string& path) {
   UGOKI_CHECK(database && database->run("PRAGMA journal_mode = DELETE"));
 }
 
-void make_changed(const std::string& good, std::string_view input, const std::string& path) {
-  write_all(path, good);
+bool make_changed(const std::string& good, std::string_view input, const std::string& path) {
+  std::vector<std::string_view> changes;
   std::vector<std::pair<std::size_t, std::string_view>> patches;
-  {
-    auto database = store::Database::open(path, store::OpenMode::read_write);
-    UGOKI_CHECK(database.has_value());
-    Changes changes(*database);
-    for (int count = 0; !input.empty() && count < 100; ++count) {
-      const std::size_t end = std::min(input.find('\n'), input.size());
-      std::string_view line = input.substr(0, end);
-      input.remove_prefix(std::min(end + 1, input.size()));
-      if (!line.starts_with("@ ")) {
-        changes.make(line);
-        continue;
-      }
-      line.remove_prefix(2);
-      const std::string_view number = next_word(line);
-      std::size_t offset = 0;
-      std::from_chars(number.data(), number.data() + number.size(), offset);
-      patches.emplace_back(offset, line);
+  for (int count = 0; !input.empty() && count < 100; ++count) {
+    const std::size_t end = std::min(input.find('\n'), input.size());
+    std::string_view line = input.substr(0, end);
+    input.remove_prefix(std::min(end + 1, input.size()));
+    if (!line.starts_with("@ ")) {
+      if (is_change(line)) changes.push_back(line);
+      continue;
     }
+    line.remove_prefix(2);
+    const std::string_view number = next_word(line);
+    std::size_t offset = 0;
+    std::from_chars(number.data(), number.data() + number.size(), offset);
+    if (!line.empty()) patches.emplace_back(offset, line);
   }
-  if (patches.empty()) return;
-  std::string bytes = read_all(path);
-  for (const auto& [offset, patch] : patches)
-    if (!bytes.empty() && !patch.empty()) {
-      const std::size_t at = offset % bytes.size();
-      bytes.replace(at, std::min(patch.size(), bytes.size() - at), patch.substr(0, bytes.size() - at));
-    }
-  write_all(path, bytes);
+  std::string bytes = good;
+  if (!changes.empty()) {
+    write_all(path, good);
+    change_rows(path, changes);
+    bytes = read_all(path);
+  }
+  for (const auto& [offset, patch] : patches) {
+    const std::size_t at = offset % bytes.size();
+    bytes.replace(at, std::min(patch.size(), bytes.size() - at), patch.substr(0, bytes.size() - at));
+  }
+  if (changes.empty() || !patches.empty()) write_all(path, bytes);
+  return bytes != good;
 }
 
 }  // namespace ugoki

@@ -31,7 +31,7 @@ class Folder {
 void write_all(const std::string& path, std::string_view bytes);
 /// Ends SQLite's write-ahead log, so that the file is all there is.
 void into_one_file(const std::string& path);
-/// The good file with all changes of the input, at `path`.
-void make_changed(const std::string& good, std::string_view input, const std::string& path);
+/// The good file with all changes of the input, at `path`. False: they change nothing.
+bool make_changed(const std::string& good, std::string_view input, const std::string& path);
 
 }  // namespace ugoki
