@@ -288,22 +288,26 @@ int run_run(const Options& o) { return guarded(o, run_inside); }
 int run_check(const Options& o) {
   return guarded(o, [](const Options& options) {
     const std::shared_ptr<plugin::LiveLibrary> live = open_libraries(options);
-    int failed = 0;
+    Error problems;
     for (const std::string& path : options.targets) {
-      const Result<circuit::Circuit> circuit = load_circuit(path);
-      const Result<void> good = !circuit ? fail(circuit.error()) : [&]() -> Result<void> {
-        Result<Interpreter> made = Interpreter::build(*circuit, *live->library(), nullptr,
-                                                      {.dt = options.dt, .check_finite = true, .activity = &plugin::process_activity()});
-        if (!made) return fail(std::move(made.error()));
-        return {};
-      }();
-      if (!good)
-        failed = print_error(good.error(), options.json);
-      else if (!options.json)
-        print_line("good  " + path);
+      Error found;
+      if (const Result<circuit::Circuit> circuit = load_circuit(path); !circuit) {
+        found = circuit.error();
+      } else if (Result<Interpreter> made =
+                     Interpreter::build(*circuit, *live->library(), nullptr,
+                                        {.dt = options.dt, .check_finite = true, .activity = &plugin::process_activity()});
+                 !made) {
+        found = std::move(made.error());
+      }
+      for (Problem& p : found.problems) {
+        if (p.place.starts_with("circuit/")) p.place.replace(0, 7, path + ":");  // of which circuit
+        problems.problems.push_back(std::move(p));
+      }
+      if (found.empty() && !options.json) print_line("good  " + path);
     }
-    if (options.json && failed == 0) print_json({{"good", true}, {"circuits", options.targets.size()}});
-    return failed;
+    if (!problems.empty()) return print_error(problems, options.json);
+    if (options.json) print_json({{"good", true}, {"circuits", options.targets.size()}});
+    return 0;
   });
 }
 

@@ -62,6 +62,19 @@ TEST_F(LsiCliTest, ThreeFunctionsAreBuiltInstalledRunAndRemoved) {
   fails({"lsi", "remove", "three"}, "No library");
 }
 
+TEST_F(LsiCliTest, WhatIsWrongWithSeveralCircuitsIsOneAnswerThatNamesThem) {
+  const std::string first = write("first.json", R"({"version": 1, "name": "t", "lsis": [{"id": "a", "type": "gain"}]})");
+  const std::string second = write("second.json", "{\n");
+  const Output out = ugoki({"circuit", "check", first, second, "--json"});
+  EXPECT_EQ(out.status, 1);
+  const Json answer = Json::parse(out.out, nullptr, false);
+  ASSERT_FALSE(answer.is_discarded()) << out.out;
+  const Json& problems = answer["error"]["problems"];
+  ASSERT_EQ(problems.size(), 2u) << out.out;
+  EXPECT_EQ(problems[0]["place"], first + ":/lsis/0");
+  EXPECT_EQ(problems[1]["place"], second + ":2");
+}
+
 TEST_F(LsiCliTest, ACrashAHangAndAWrongInterfaceAreNamed) {
   const std::string library =
       json({"lsi", "build",

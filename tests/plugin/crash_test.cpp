@@ -21,6 +21,11 @@ double gives_up(double x) { if (x > 0.015) abort(); return x; }
 double leaves(double x) { if (x > 0.015) exit(0); return x; }
 static double deep(double x) { volatile char room[100000]; room[0] = (char)x; return deep(x + room[0]) + room[0]; }
 double recurses(double x) { return x > 0.015 ? deep(x) : x; }
+double far_beyond(double x, double y[3]) { for (int i = 0; i < (x > 0.015 ? 400000000 : 3); ++i) y[i] = x; return x; }
+double beyond(double x, double y[3]) { int i = x > 0.015 ? 3 : 0; y[i] = x; return x; }
+void before(double x, double y[3]) { int i = x > 0.015 ? -1 : 0; y[i] = x; }
+struct memory { double past[4]; };
+double forgets(struct memory* m, double x) { int i = x > 0.015 ? 4 : 0; m->past[i] = x; return x; }
 double wild(double x) { if (x > 0.015) *(volatile double*)0x7fff00000000ull = x; return x; }
 )";
 
@@ -46,7 +51,8 @@ class CrashTest : public PluginTest {
           for (int k = 0; k < 10; ++k)
             if (!i->tick()) {
               told_ = i->stopped()->text();
-              return told_ == "'lsi-x' of library 'bad' stopped at 0.020 s (tick 2): Number 0 of its output 'out' is not finite. Its inputs were 'x' = 0.02."
+              return told_ == "'lsi-x' of library 'bad' stopped at 0.020 s (tick 2): Number 0 of its output 'out' is not finite. Its "
+                              "inputs were 'x' = 0.02."
                          ? 42
                          : 43;
             }
@@ -72,6 +78,38 @@ TEST_F(CrashTest, AWholeNumberDividedByZero) {
 }
 TEST_F(CrashTest, ANullPointer) { expect_named(run("null", "x"), "used a null pointer", "null"); }
 TEST_F(CrashTest, AWildPointer) { expect_named(run("wild", "x"), "used memory that it does not have", "wild"); }
+TEST_F(CrashTest, FarBeyondAnOutput) { expect_named(run("far_beyond", "x"), "used memory that it does not have", "far_beyond"); }
+TEST_F(CrashTest, ALittleBeyondItsOwn) {
+  const std::pair<const char*, const char*> cases[] = {{"beyond", "It wrote beyond its output 'y', which has 3 numbers."},
+                                                       {"before", "It wrote in front of its outputs."},
+                                                       {"forgets", "It wrote beyond its state of 32 bytes."}};
+  LiveLibrary live(signals_, {}, {library_});
+  for (const auto& [lsi, sentence] : cases) {
+    auto i = circuit::Interpreter::build(
+        *circuit::read_circuit(R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"}, {"id": "it", "type": "bad/)" +
+                               std::string(lsi) + R"("}], "wires": [{"from": "c.time", "to": "it.x"}]})"),
+        *live.library(), nullptr, {.dt = 0.01});
+    ASSERT_TRUE(i) << i.error().text();
+    for (int round = 0; round < 2; ++round, i->reset()) {
+      EXPECT_TRUE(i->tick() && i->tick());
+      EXPECT_FALSE(i->tick()) << lsi;
+      ASSERT_NE(i->stopped(), nullptr);
+      EXPECT_EQ(i->stopped()->text(), std::string("'it' of library 'bad' stopped at 0.020 s (tick 2): ") + sentence);
+    }
+  }
+}
+TEST_F(CrashTest, AnExceptionOfAPlainFunctionIsItsSentence) {
+  const std::string path =
+      build("throws.cpp", "#include <stdexcept>\ndouble f(double x) { if (x > 0.015) throw std::runtime_error(\"No rope\"); return x; }\n");
+  LiveLibrary live(signals_, {}, {path});
+  auto i = circuit::Interpreter::build(
+      *circuit::read_circuit(R"({"version": 1, "name": "t", "lsis": [{"id": "c", "type": "clock"}, {"id": "it", "type": "throws/f"}],
+                                 "wires": [{"from": "c.time", "to": "it.x"}]})"),
+      *live.library(), nullptr, {.dt = 0.01});
+  ASSERT_TRUE(i) << i.error().text();
+  EXPECT_EQ(i->run(5), 2u);
+  EXPECT_EQ(i->stopped()->text(), "'it' of library 'throws' stopped at 0.020 s (tick 2): No rope. Its inputs were 'x' = 0.02.");
+}
 TEST_F(CrashTest, ALoopForEver) { expect_named(run("forever", "x"), "did not come back within 0.6 s and was stopped", "forever"); }
 TEST_F(CrashTest, Abort) { expect_named(run("gives_up", "x"), "aborted", "gives_up"); }
 TEST_F(CrashTest, Exit) { expect_named(run("leaves", "x"), "ended the process", "leaves"); }

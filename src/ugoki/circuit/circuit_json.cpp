@@ -14,7 +14,8 @@ namespace {
 
 using json::Json;
 
-constexpr int max_depth = 32;  // circuits inside circuits
+constexpr int max_depth = 32;               // circuits inside circuits
+constexpr std::size_t longest_shown = 100;  // bytes of a wrong name in a message
 
 bool is_id(std::string_view text) {
   if (text.empty() || text.size() > 64) return false;
@@ -153,7 +154,8 @@ class Reader {
     } else {
       std::string all;
       for (const PinType& t : pin_types()) all += (all.empty() ? "" : ", ") + std::string(t.name);
-      problems.add(ErrorCode::unknown, place + "/type", "There is no pin type '" + type + "'.", "Types are: " + all + ".");
+      problems.add(ErrorCode::unknown, place + "/type", "There is no pin type '" + type.substr(0, longest_shown) + "'.",
+                   "Types are: " + all + ".");
     }
     pin.unit = text(json, "unit", place, false);
     pin.doc = text(json, "doc", place, false);
@@ -207,7 +209,8 @@ class Reader {
     known_fields(json, place, {"id", "type", "label", "note", "at", "every", "parameters", "values"});
     lsi.id = text(json, "id", place, true);
     if (json.contains("id") && !is_id(lsi.id))
-      problems.add(ErrorCode::syntax, place + "/id", "'" + lsi.id + "' cannot be an id.", "Use 1 to 64 letters, digits, '_' and '-'.");
+      problems.add(ErrorCode::syntax, place + "/id", "'" + lsi.id.substr(0, longest_shown) + "' cannot be an id.",
+                   "Use 1 to 64 letters, digits, '_' and '-'.");
     lsi.type = text(json, "type", place, true);
     lsi.label = text(json, "label", place, false);
     lsi.note = text(json, "note", place, false);

@@ -188,7 +188,7 @@ class Flattener {
     }
     const LsiClass* found = library_.find(lsi.type);
     if (!found) {
-      missing(lsi.type, id, place + "/type");
+      missing(lsi.type.substr(0, 200), id, place + "/type");
       return;
     }
     FlatLsi flat;

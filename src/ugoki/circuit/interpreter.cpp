@@ -9,8 +9,9 @@
 namespace ugoki::circuit {
 
 std::string Stop::text() const {
+  const bool is_sentence = reason.ends_with('.') || reason.ends_with('!') || reason.ends_with('?');
   return "'" + lsi + "'" + (library.empty() ? "" : " of library '" + library + "'") + " stopped at " + to_fixed(time, 3) + " s (tick " +
-         std::to_string(tick) + "): " + reason + inputs;
+         std::to_string(tick) + "): " + reason + (is_sentence ? "" : ".") + inputs;
 }
 
 Result<Interpreter> Interpreter::build(const Circuit& circuit, const Library& library, const Resources* resources,

@@ -26,20 +26,46 @@ std::size_t output_bytes(const Unit& unit, std::size_t pin) {
   return payload_bytes(pin_type(unit.lsi_class->outputs[pin].type), unit.outputs[pin].count);
 }
 
-/// Places the outputs of one kind (delayed or not): numbers first, so that one range holds all that must be finite.
-Range place_outputs(Unit& unit, bool delayed, Layout& layout) {
-  Range numbers;
-  for (const bool numeric : {true, false}) {
-    if (numeric) numbers.begin = layout.size();
-    for (std::size_t pin = 0; pin < unit.outputs.size(); ++pin) {
-      const OutputPin& declared = unit.lsi_class->outputs[pin];
-      if (declared.delayed == delayed && pin_type(declared.type).numeric == numeric)
-        unit.output_offsets[pin] = layout.take(output_bytes(unit, pin));
-    }
-    if (numeric) numbers.end = layout.size();
+/// Places what LSIs write, with fences around where they are of libraries.
+class Placer {
+ public:
+  Placer(Layout& layout, std::vector<Fence>& fences) : layout_(layout), fences_(fences) {}
+
+  /// The outputs of one kind (delayed or not): numbers first, so that one range holds all that must be finite.
+  Range outputs(Unit& unit, std::uint32_t lsi, bool delayed) {
+    const auto is_here = [delayed](const OutputPin& pin) { return pin.delayed == delayed; };
+    if (std::ranges::any_of(unit.lsi_class->outputs, is_here)) fence(unit, {0, lsi, 0, Fence::Side::before_outputs});
+    Range numbers{layout_.size(), layout_.size()};
+    for (const bool numeric : {true, false})
+      for (std::size_t pin = 0; pin < unit.outputs.size(); ++pin) {
+        const OutputPin& declared = unit.lsi_class->outputs[pin];
+        if (!is_here(declared) || pin_type(declared.type).numeric != numeric) continue;
+        unit.output_offsets[pin] = layout_.take(output_bytes(unit, pin));
+        if (numeric) numbers.end = layout_.size();
+        fence(unit, {0, lsi, static_cast<std::uint32_t>(pin), Fence::Side::after_output});
+      }
+    return numbers;
   }
-  return numbers;
-}
+
+  Range state(const Unit& unit, std::uint32_t lsi, std::size_t bytes) {
+    if (bytes) fence(unit, {0, lsi, 0, Fence::Side::before_state});
+    Range range;
+    range.begin = layout_.take(bytes);
+    range.end = layout_.size();
+    if (bytes) fence(unit, {0, lsi, 0, Fence::Side::after_state});
+    return range;
+  }
+
+ private:
+  void fence(const Unit& unit, Fence fence) {
+    if (unit.lsi_class->from.empty()) return;  // our own
+    fence.at = layout_.take(sizeof Fence::intact);
+    fences_.push_back(fence);
+  }
+
+  Layout& layout_;
+  std::vector<Fence>& fences_;
+};
 
 /// What an optional input without wire reads.
 std::vector<double> default_payload(const InputPin& pin, const std::vector<double>& given) {
@@ -105,6 +131,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   m.outputs = std::move(flat.outputs);
 
   Layout layout;
+  Placer placer(layout, m.fences);
   for (std::size_t i = 0; i < n; ++i) {
     Unit& u = m.units[i];
     u.id = flat.lsis[i].id;
@@ -117,23 +144,24 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
   }
   for (const int i : m.order) {
     Unit& u = m.units[static_cast<std::size_t>(i)];
-    u.direct_numbers = place_outputs(u, false, layout);
+    u.direct_numbers = placer.outputs(u, static_cast<std::uint32_t>(i), false);
   }
   m.front.begin = layout.size();
+  const std::size_t first_delayed = m.fences.size();
   for (const int i : m.order) {
     Unit& u = m.units[static_cast<std::size_t>(i)];
-    u.delayed_numbers = place_outputs(u, true, layout);
+    u.delayed_numbers = placer.outputs(u, static_cast<std::uint32_t>(i), true);
   }
   m.front.end = layout.size();
   m.back.begin = layout.take(m.front.size());
   m.back.end = layout.size();
   const std::size_t to_back = m.back.begin - m.front.begin;
+  for (std::size_t i = first_delayed, n_fences = m.fences.size(); i < n_fences; ++i) m.fences[i].at += to_back;  // where they are written
   for (const int i : m.order) {
     Unit& u = m.units[static_cast<std::size_t>(i)];
     u.delayed_numbers.begin += to_back;
     u.delayed_numbers.end += to_back;
-    u.state.begin = layout.take(plan.setups[static_cast<std::size_t>(i)].state_bytes());
-    u.state.end = layout.size();
+    u.state = placer.state(u, static_cast<std::uint32_t>(i), plan.setups[static_cast<std::size_t>(i)].state_bytes());
   }
   std::vector<Constant> constants;
   std::vector<std::vector<std::size_t>> constant_offsets(n);  // [lsi][input], valid where nothing is wired
@@ -148,7 +176,7 @@ std::unique_ptr<Interpreter::Machine> make_machine(FlatCircuit flat, Plan plan, 
       constants.push_back(std::move(c));
     }
   }
-  m.arena.resize(layout.size() / 8 + 1);
+  m.arena = Arena(layout.size() / 8 + 1);
   for (const Constant& c : constants) std::memcpy(m.bytes() + c.offset, c.numbers.data(), c.numbers.size() * sizeof(double));
   m.layout = hash_layout(m.units, options.dt);
 
@@ -261,6 +289,7 @@ void Interpreter::Machine::initialise() {
   breakpoint_hit = -1;
   log.next = 0;
   std::memset(arena.data(), 0, back.end);
+  set_fences();
   for (std::size_t i = 0; i < units.size(); ++i) {
     const Unit& u = units[i];
     if (u.state.size()) std::memset(bytes() + u.state.begin, 0, u.state.size());
@@ -275,6 +304,42 @@ void Interpreter::Machine::initialise() {
   }
   set_running(*activity, nullptr);
   std::memcpy(bytes() + front.begin, bytes() + back.begin, front.size());
+  if (!is_stopped) (void)are_fences_intact();
+}
+
+void Interpreter::Machine::set_fences() {
+  for (const Fence& f : fences) std::memcpy(bytes() + f.at, &Fence::intact, sizeof Fence::intact);
+}
+
+/// False: an LSI has written beyond its own, and that stops it. Looked at after some ticks, so the fault may be a few ticks old.
+bool Interpreter::Machine::are_fences_intact() {
+  const auto is_intact = [this](const Fence& f) {
+    std::uint64_t now;
+    std::memcpy(&now, bytes() + f.at, sizeof now);
+    return now == Fence::intact;
+  };
+  const auto broken = std::ranges::find_if_not(fences, is_intact);
+  if (broken == fences.end()) return true;
+  const Unit& u = units[broken->lsi];
+  is_stopped = true;
+  stop = {u.id, {}, u.lsi_class->from, {}, {}, tick.index ? tick.index - 1 : 0, 0};
+  stop.time = static_cast<double>(stop.tick) * tick.dt;
+  switch (broken->side) {
+    case Fence::Side::before_outputs: stop.reason = "It wrote in front of its outputs."; break;
+    case Fence::Side::before_state: stop.reason = "It wrote in front of its state."; break;
+    case Fence::Side::after_state: stop.reason = "It wrote beyond its state of " + std::to_string(u.state.size()) + " bytes."; break;
+    case Fence::Side::after_output: {
+      const OutputPin& pin = u.lsi_class->outputs[broken->pin];
+      stop.pin = u.id + "." + pin.name;
+      const std::size_t bytes = output_bytes(u, broken->pin), count = bytes / sizeof(double);
+      stop.reason = "It wrote beyond its output '" + pin.name + "', which has " +
+                    (!pin_type(pin.type).numeric ? std::to_string(bytes) + " bytes."
+                     : count == 1                ? "one number."
+                                                 : std::to_string(count) + " numbers.");
+      break;
+    }
+  }
+  return false;
 }
 
 void Interpreter::Machine::fail(const Job& job, bool not_finite) {

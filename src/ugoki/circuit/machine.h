@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ugoki/circuit/activity.h"
+#include "ugoki/circuit/arena.h"
 #include "ugoki/circuit/interpreter.h"
 #include "ugoki/circuit/plan.h"
 
@@ -44,6 +45,15 @@ struct Unit {
   Range direct_numbers, delayed_numbers;  ///< numeric outputs to check; delayed ones where the LSI writes
   std::size_t parameters = 0;             ///< first one in Machine::parameters
   std::string address;                    ///< of a device: its first text or choice
+};
+
+/// A word in front of and behind what an LSI of a library writes, which nobody may change: so one that writes beyond its own is found.
+struct Fence {
+  static constexpr std::uint64_t intact = 0x5AFE5AFE5AFE5AFE;  // finite as a number: it may lie between some that are checked to be
+  enum class Side : std::uint8_t { before_outputs, after_output, before_state, after_state };
+  std::size_t at = 0;  ///< bytes in the arena
+  std::uint32_t lsi = 0, pin = 0;
+  Side side = Side::after_output;
 };
 
 struct ProbeBuffer {
@@ -90,10 +100,11 @@ struct Interpreter::Machine {
   std::vector<void*> out;
   std::vector<std::uint32_t> in_first, in_count, out_count;
   std::vector<double> parameters;
-  std::vector<std::uint64_t> arena;  ///< in words of 8 bytes
-  Range front, back;                 ///< delayed outputs: as seen, as written; same order
-  std::vector<Job> jobs;             ///< of a tick: all steps, then all advances
-  std::size_t step_count = 0;        ///< how many of them are steps
+  Arena arena;
+  std::vector<Fence> fences;
+  Range front, back;           ///< delayed outputs: as seen, as written; same order
+  std::vector<Job> jobs;       ///< of a tick: all steps, then all advances
+  std::size_t step_count = 0;  ///< how many of them are steps
   std::vector<Job> on_demand;
   std::vector<std::uint32_t> wave_ends;  ///< ends in `jobs` of the steps of equal depth
   std::vector<int> order;
@@ -128,8 +139,11 @@ struct Interpreter::Machine {
   [[nodiscard]] const std::byte* bytes() const { return reinterpret_cast<const std::byte*>(arena.data()); }
   [[nodiscard]] Call& call_at(std::size_t lsi) { return calls[call_of[lsi]]; }
   void initialise();
+  void set_fences();
+  [[nodiscard]] bool are_fences_intact();
   template <bool timed, bool probed>
   std::uint64_t run_fast(std::uint64_t count);
+  std::uint64_t run(std::uint64_t count);
   bool tick_with_extras();
   bool run_one_by_one(std::span<const Job> jobs);
   bool run_wave(const Wave& wave);

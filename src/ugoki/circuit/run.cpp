@@ -221,22 +221,29 @@ void Interpreter::Machine::update_plain() {
   plain = fast && !clock && probes.width() == 0;
 }
 
+std::uint64_t Interpreter::Machine::run(std::uint64_t count) {
+  reason[0] = '\0';
+  if (plain) return run_fast<false, false>(count);
+  breakpoint_hit = -1;
+  if (fast && probes.width()) return clock ? run_fast<true, true>(count) : run_fast<false, true>(count);
+  if (fast) return run_fast<true, false>(count);
+  std::uint64_t done = 0;
+  while (done < count) {
+    if (!tick_with_extras()) break;
+    ++done;
+    if (breakpoint_hit >= 0) break;
+  }
+  set_running(*activity, nullptr);
+  return done;
+}
+
 std::uint64_t Interpreter::run(std::uint64_t count) {
   Machine& m = *machine_;
   if (m.is_stopped) [[unlikely]]
     return 0;
-  m.reason[0] = '\0';
-  if (m.plain) return m.run_fast<false, false>(count);
-  m.breakpoint_hit = -1;
-  if (m.fast && m.probes.width()) return m.clock ? m.run_fast<true, true>(count) : m.run_fast<false, true>(count);
-  if (m.fast) return m.run_fast<true, false>(count);
-  std::uint64_t done = 0;
-  while (done < count) {
-    if (!m.tick_with_extras()) break;
-    ++done;
-    if (m.breakpoint_hit >= 0) break;
-  }
-  set_running(*m.activity, nullptr);
+  const std::uint64_t done = m.run(count);
+  if (!m.fences.empty() && !m.is_stopped && !m.are_fences_intact()) [[unlikely]]
+    return done > 0 ? done - 1 : 0;
   return done;
 }
 
@@ -258,6 +265,7 @@ bool Interpreter::step_lsi() {
   m.reason[0] = '\0';
   if (m.cursor < jobs.size() && !m.run_one_by_one(jobs.subspan(m.cursor, 1))) return false;
   set_running(*m.activity, nullptr);
+  if (!m.are_fences_intact()) return false;
   ++m.cursor;
   skip_those_not_due();
   return m.cursor < jobs.size() || m.tick_with_extras();
@@ -281,7 +289,7 @@ bool Interpreter::refresh() {
     good = good && m.run_one_by_one({&once, 1});
   }
   set_running(*m.activity, nullptr);
-  return good;
+  return good && m.are_fences_intact();
 }
 
 void Interpreter::set_timing(Clock clock, std::uint32_t one_in) {

@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +20,17 @@ namespace {
 
 constexpr int crash_status = 70;
 constexpr std::chrono::milliseconds look_every{100};
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool limits_memory = false;  // their shadow counts as well
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+constexpr bool limits_memory = false;
+#else
+constexpr bool limits_memory = true;
+#endif
+#else
+constexpr bool limits_memory = true;
+#endif
 
 int words_fd = -1;
 std::atomic<bool> ended = false;
@@ -124,6 +136,16 @@ void on_exit() {
   }
 }
 
+/// Half of the machine's memory: an LSI that allocates for ever then runs out of it here, and not the studio with its project.
+void limit_memory() {
+  if (!limits_memory) return;
+  const auto half = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) / 2 * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur <= half) return;
+  limit.rlim_cur = half;
+  (void)::setrlimit(RLIMIT_DATA, &limit);
+}
+
 }  // namespace
 
 circuit::Activity& process_activity() {
@@ -143,6 +165,7 @@ void set_phase(std::string_view what) {
 
 void guard_process(int fd, std::chrono::milliseconds patience) {
   words_fd = fd;
+  limit_memory();
   static char stack[1 << 16];  // a stack that ran over is reported on another one
   stack_t other{};
   other.ss_sp = stack;

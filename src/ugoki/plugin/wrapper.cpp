@@ -54,7 +54,7 @@ class Writer {
 
   Result<Wrapper> write(const std::string& name) {
     out_.code = "#include <ugoki/lsi.h>\n";
-    if (cpp_) out_.code += "#include <new>\n#include <type_traits>\n";
+    if (cpp_) out_.code += "#include <exception>\n#include <new>\n#include <type_traits>\n";
     if (source_.declares_lsis) out_.code += "#include <ugoki/lsi.hpp>\n";
     out_.code += "#include " + literal(path_) + "\n";
     if (source_.declares_lsis) {
@@ -319,8 +319,13 @@ class Writer {
     call += ");";
     code += "static int32_t " + id("run", n) + "(const ugoki_call* call) {\n  (void)call;\n";
     for (const std::string& line : p.before) code += "  " + line + "\n";
+    if (cpp_) code += "  try {\n";
     code += "#line " + std::to_string(f.line) + " " + literal(path_) + "\n  " + (returns ? "*(double*)call->out[0] = (double)" : "") +
             call + "\n";
+    if (cpp_)
+      code +=
+          "  } catch (const std::exception& e) {\n    return ugoki_stop(call, e.what());\n  } catch (...) {\n"
+          "    return ugoki_stop(call, \"It threw something that is no std::exception.\");\n  }\n";
     for (const std::string& line : p.after) code += "  " + line + "\n";
     code += "  return 0;\n}\n";
     const std::string init = emit_init(f, p, n);
