@@ -70,16 +70,35 @@ TEST(Kernels, SameBitsInEveryWidth) {
     Workspace ws(*m);
     State s(*m);
     testing::randomize(random, *m, s);
-    std::vector<double> vdot(s.v.size()), tau(s.v.size()), first_vdot, first_tau;
+    std::vector<double> vdot(s.v.size()), tau(s.v.size()), first_vdot, first_tau, first_rows;
     for (const SimdWidth width : {SimdWidth::plain, SimdWidth::avx2, SimdWidth::avx512}) {
       if (!use_simd(width)) continue;
       ASSERT_TRUE(calc_forward_dynamics(*m, ws, s.q, s.v, s.tau, gravity, {}, vdot));
       calc_inverse_dynamics(*m, ws, s.q, s.v, s.tau, gravity, {}, tau);
-      if (width == SimdWidth::plain) first_vdot = vdot, first_tau = tau;
+      calc_inertia_rows(*m, ws, s.q);
+      if (width == SimdWidth::plain) first_vdot = vdot, first_tau = tau, first_rows = ws.M;
       EXPECT_EQ(std::memcmp(vdot.data(), first_vdot.data(), vdot.size() * sizeof(double)), 0) << "seed " << seed;
+      EXPECT_EQ(std::memcmp(ws.M.data(), first_rows.data(), ws.M.size() * sizeof(double)), 0) << "seed " << seed;
       EXPECT_EQ(std::memcmp(tau.data(), first_tau.data(), tau.size() * sizeof(double)), 0) << "seed " << seed;
     }
     use_simd(widest_simd());
+  }
+}
+
+// Its entries are written to their places in several pieces.
+TEST(Kernels, InertiaMatrixOfManyLinks) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    RandomSource random(seed);
+    const MechanismPtr m = Mechanism::make(testing::varied_spec(random, 90, seed % 2 == 0)).value();
+    Workspace ws(*m);
+    State s(*m);
+    testing::randomize(random, *m, s);
+    update_kinematics(*m, s.q, s.v, ws);
+    calc_inertia_rows(*m, ws);
+    const std::vector<double> reference = ws.M;
+    ASSERT_GT(reference.size(), static_cast<std::size_t>(inertia_entries_at_once));
+    calc_inertia_rows(*m, ws, s.q);
+    expect_near(ws.M, reference, 1e-12, "inertia matrix");
   }
 }
 

@@ -52,9 +52,7 @@ struct BatchWorkspace<Real>::Access {
          .out = nullptr,
          .gravity = {static_cast<Real>(gravity.x), static_cast<Real>(gravity.y), static_cast<Real>(gravity.z)},
          .scratch = b.scratch_.data()->bytes,
-         .row_start = nullptr,
-         .depth = nullptr,
-         .force_freedom = nullptr,
+         .entry_place = nullptr,
          .stride = lanes};
     const auto block_count = static_cast<std::size_t>(b.blocks_);
     const std::size_t block_v = block_count * static_cast<std::size_t>(p.nv) * lanes;

@@ -145,9 +145,7 @@ class ClosedRun {
             .out = vdot.data(),
             .gravity = {gravity.x, gravity.y, gravity.z},
             .scratch = k_.scratch.data()->bytes,
-            .row_start = nullptr,
-            .depth = nullptr,
-            .force_freedom = nullptr,
+            .entry_place = nullptr,
             .stride = 1};
   }
   ClosedArguments closed_arguments() {

@@ -27,9 +27,7 @@ KernelArguments<double> arguments(const Mechanism& m, Workspace& ws, std::span<c
           .out = nullptr,
           .gravity = {},
           .scratch = ws.scratch.data()->bytes,
-          .row_start = ws.row_start.data(),
-          .depth = ws.depth.data(),
-          .force_freedom = program.force_freedom.data(),
+          .entry_place = ws.entry_place.data(),
           .stride = 1};
 }
 
@@ -70,7 +68,10 @@ void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double
   if (ws.chain.empty()) ws.make_rows(m);
   KernelArguments<double> a = arguments(m, ws, q);
   a.out = ws.M.data();
-  kernels().inertia(a);
+  if (ws.twins.pairs.empty())
+    kernels().inertia(a);
+  else
+    kernels().inertia_twins(ws.twins.arguments(a));
 }
 
 }  // namespace ugoki::dynamics

@@ -172,6 +172,18 @@ class Scratch {
   std::byte* next_;
 };
 
+/// Sines and cosines of `count` angles, q[angle_q] times their sign. s, c: up to 7 more
+UGOKI_INLINE void sines_of(const double* q, const int* angle_q, const double* angle_sign, int count, double* s, double* c) {
+  using Wide = Lanes<double, UGOKI_DOUBLE_LANES>;
+  for (int i = 0; i < count; ++i) s[i] = q[angle_q[i]] * angle_sign[i];
+  for (int i = count; i % Wide::count != 0; ++i) s[i] = 0;
+  for (int i = 0; i < count; i += Wide::count) {
+    const LaneSinCos<Wide> sc = lane_sin_cos(Wide::load(s + i));
+    sc.sin.store(s + i);
+    sc.cos.store(c + i);
+  }
+}
+
 /// What the passes share: where every joint stands, and the external wrenches in the nodes' frames.
 /// @tparam Constant of a node: Real, or one for each lane
 template <class T, class Constant = typename T::Real>
@@ -188,27 +200,16 @@ struct Pass {
   explicit Pass(const KernelArguments<Real, Constant>& arguments)
       : a(arguments),
         scratch(a.scratch),
-        sin(scratch.take<T>(a.angles + 8)),
-        cos(scratch.take<T>(a.angles + 8)),
+        sin(a.sin != nullptr ? reinterpret_cast<T*>(a.sin) : scratch.take<T>(a.angles + 8)),
+        cos(a.sin != nullptr ? reinterpret_cast<T*>(a.cos) : scratch.take<T>(a.angles + 8)),
         E(scratch.take<Mat3T<T>>(a.nodes)),
         wrench(nullptr) {}
 
   /// Sines and cosines of all angles, then the matrices.
   void prepare() {
-    if constexpr ((T::count == 1 || twins) && sizeof(Real) == 8) {
-      constexpr int wide = UGOKI_DOUBLE_LANES, lanes = T::count;
-      using Wide = Lanes<double, wide>;
-      double* const s = reinterpret_cast<double*>(sin);
-      double* const c = reinterpret_cast<double*>(cos);
-      const int count = a.angles * lanes;
-      for (int i = 0; i < a.angles; ++i)
-        for (int k = 0; k < lanes; ++k) s[i * lanes + k] = a.q[a.angle_q[i] * lanes + k] * a.angle_sign[i * lanes + k];
-      for (int i = count; i % wide != 0; ++i) s[i] = 0;
-      for (int i = 0; i < count; i += wide) {
-        const LaneSinCos<Wide> sc = lane_sin_cos(Wide::load(s + i));
-        sc.sin.store(s + i);
-        sc.cos.store(c + i);
-      }
+    if constexpr (sizeof(Real) == 8 && (T::count == 1 || twins)) {
+      if (a.sin == nullptr)
+        sines_of(a.q, a.angle_q, a.angle_sign, a.angles, reinterpret_cast<double*>(sin), reinterpret_cast<double*>(cos));
     } else {
       for (int i = 0; i < a.angles; ++i) {
         const LaneSinCos<T> sc = lane_sin_cos(load<T>(a.q, a.angle_q[i], a.stride) * T(static_cast<Real>(a.angle_sign[i])));

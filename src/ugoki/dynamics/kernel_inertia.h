@@ -3,36 +3,33 @@
 //
 // From the leaves on, each node's composite inertia gives the forces F = Ic S of its own freedoms, and all forces of its subtree,
 // which by then are in its frame, give their entries S^T F; then inertia and forces are carried to the parent. The forces of a
-// subtree are a range, and cross a joint in lanes. Source: Featherstone (2008), ch. 6. For kernels_*.cpp only.
+// subtree are a range, and cross a joint in lanes. So the entries of a freedom come in the order of the forces, and are written to
+// their places in the chain rows some hundreds at a time. Source: Featherstone (2008), ch. 6. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_crossing.h"
 
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
 
+/// @tparam Constant LaneArray: twins (link_twins.h), whose base is a node of another kernel
+template <class T, class Constant = typename T::Real>
 class InertiaKernel {
  public:
-  using T = Lanes<double, 1>;
-
-  explicit InertiaKernel(const KernelArguments<double>& arguments)
+  explicit InertiaKernel(const KernelArguments<double, Constant>& arguments)
       : pass_(arguments),
         a_(pass_.a),
-        composite_(pass_.scratch.template take<InertiaT<T>>(a_.nodes)),
+        slots_(pass_.scratch.template take<InertiaT<T>>(a_.slots)),
         nx_(forces()),
         ny_(forces()),
         nz_(forces()),
         fx_(forces()),
         fy_(forces()),
         fz_(forces()),
-        row_(pass_.scratch.template take<int>(a_.nv)) {}
+        entries_(pass_.scratch.template take<double>(inertia_entries_at_once + a_.nv * lanes + Wide::count)),
+        place_(a_.entry_place) {}
 
   void run() {
     pass_.prepare();
-    for (int k = 0; k < a_.nv; ++k) row_[k] = a_.row_start[a_.force_freedom[k]];
-    for (int i = 0; i < a_.nodes; ++i) {
-      const NodeConstants<double>& c = a_.constants[i];
-      composite_[i] = {T(c.mass), vector_of<T>(c.h), symmetric_of<T>(c.I)};
-    }
     for (int i = a_.nodes; i-- > 0;) {
       switch (a_.order[i].crossing) {
         case Crossing::none: revolute<Crossing::none>(i); break;
@@ -41,25 +38,93 @@ class InertiaKernel {
         case Crossing::matrix: other(i); break;
       }
     }
+    write_entries();
+  }
+  /// What a pair of twins hands on to the node that carries it.
+  struct Twins {
+    InertiaT<T> inertia;     ///< of both
+    const double* force[6];  ///< nx, ny, nz, fx, fy, fz in that node's frame
+    int force_begin, count;  ///< where they go
+    int place;               ///< NodeOrder::twins
+  };
+  /// @param pairs in rising order of force_begin
+  void take_twins(const Twins* pairs, int count) {
+    twins_ = pairs;
+    twin_count_ = count;
+  }
+  /// Of twins: their inertia is that of both lanes.
+  [[nodiscard]] const InertiaT<T>& handed_on() const { return carry_; }
+  template <class Out>
+  void hand_on_forces(Out& out) const {
+    const double* const from[6] = {nx_, ny_, nz_, fx_, fy_, fz_};
+    for (int k = 0; k < 6; ++k) out.force[k] = from[k];
+    out.count = a_.nv * lanes;
   }
 
  private:
+  static constexpr int lanes = T::count;
+  static constexpr bool twins = !std::is_same_v<Constant, double>;
   using Wide = Lanes<double, UGOKI_DOUBLE_LANES>;
 
-  double* forces() { return pass_.scratch.template take<double>(a_.nv + Wide::count); }
+  double* forces() { return pass_.scratch.template take<double>(a_.nv * lanes + Wide::count); }
+
+  /// Forces of twins lie side by side.
+  UGOKI_INLINE static Wide wide(T x) {
+    if constexpr (lanes == 1) {
+      return Wide(x.v);
+    } else {
+      Wide out;
+      for (int i = 0; i < Wide::count; ++i) out.v[i] = x.v[i % lanes];
+      return out;
+    }
+  }
+  UGOKI_INLINE static V3<Wide> wide(const V3<T>& x) { return {wide(x.x), wide(x.y), wide(x.z)}; }
+  UGOKI_INLINE static Mat3T<Wide> wide(const Mat3T<T>& m) {
+    return {wide(m.xx), wide(m.xy), wide(m.xz), wide(m.yx), wide(m.yy), wide(m.yz), wide(m.zx), wide(m.zy), wide(m.zz)};
+  }
+
+  /// The node's own body and what its children handed on.
+  UGOKI_INLINE InertiaT<T> gather(const NodeOrder& o, const NodeConstants<Constant>& c) {
+    InertiaT<T> C{T(c.mass), vector_of<T>(c.h), symmetric_of<T>(c.I)};
+    if (o.has_child) add(C, carry_);
+    if (o.slot >= 0) add(C, slots_[o.slot]);
+    if constexpr (!twins)
+      if (o.twins >= 0) take_twins_of(o.twins, C);
+    return C;
+  }
+  void take_twins_of(int place, InertiaT<T>& C) {
+    double* const to[6] = {nx_, ny_, nz_, fx_, fy_, fz_};
+    for (int i = 0; i < twin_count_; ++i) {
+      const Twins& pair = twins_[i];
+      if (pair.place != place) continue;
+      add(C, pair.inertia);
+      for (int k = 0; k < 6; ++k)
+        for (int e = 0; e < pair.count; e += Wide::count) Wide::load(pair.force[k] + e).store(to[k] + pair.force_begin + e);
+    }
+  }
+  UGOKI_INLINE static void add(InertiaT<T>& a, const InertiaT<T>& b) {
+    a.mass += b.mass;
+    a.h += b.h;
+    a.I = a.I + b.I;
+  }
+  UGOKI_INLINE void hand_on(const NodeOrder& o, const InertiaT<T>& C) {
+    if (o.first_child || (twins && o.parent < 0)) {
+      carry_ = C;
+    } else if (o.last_child) {
+      slots_[a_.order[o.parent].slot] = C;
+    } else {
+      add(slots_[a_.order[o.parent].slot], C);
+    }
+  }
 
   UGOKI_INLINE void start(int place, const V3<T>& n, const V3<T>& f) const {
-    nx_[place] = n.x.v;
-    ny_[place] = n.y.v;
-    nz_[place] = n.z.v;
-    fx_[place] = f.x.v;
-    fy_[place] = f.y.v;
-    fz_[place] = f.z.v;
-  }
-  /// Entry of the force at `place` and freedom `above`; the one that comes later in v has the row.
-  UGOKI_INLINE double& entry(int place, int above, int depth) const {
-    const int freedom = a_.force_freedom[place];
-    return above <= freedom ? a_.out[row_[place] + depth] : a_.out[a_.row_start[above] + a_.depth[freedom]];
+    const int at = place * lanes;
+    n.x.store(nx_ + at);
+    n.y.store(ny_ + at);
+    n.z.store(nz_ + at);
+    f.x.store(fx_ + at);
+    f.y.store(fy_ + at);
+    f.z.store(fz_ + at);
   }
 
   UGOKI_INLINE static V3<Wide> load_wide(const double* x, const double* y, const double* z, int k) {
@@ -71,13 +136,30 @@ class InertiaKernel {
     v.z.store(z + k);
   }
 
+  /// Entries of one freedom with the forces [begin, end), its own the last: along(k) has those of the lanes from k on. Lanes past
+  /// the end write what the next freedom overwrites.
+  template <class Along>
+  UGOKI_INLINE void entries(int begin, int end, const Constant& armature, Along&& along) {
+    double* const out = entries_ + written_;
+    const int count = (end - begin) * lanes;
+    for (int k = 0; k < count; k += Wide::count) along(begin * lanes + k).store(out + k);
+    (T::load(out + count - lanes) + T(armature)).store(out + count - lanes);
+    written_ += count;
+    if (written_ >= inertia_entries_at_once) write_entries();
+  }
+  void write_entries() {
+    const int* const place = place_;
+    double* const out = a_.out;
+    const double* const from = entries_;
+    for (int k = 0; k < written_; ++k) out[place[k]] = from[k];
+    place_ += written_;
+    written_ = 0;
+  }
+
   /// Inertia and forces into the parent's frame. The last lanes may run over the range's end: into forces of nodes that come
   /// later and start them anew.
   template <class One, class Many>
-  UGOKI_INLINE void carry(int i, const One& crossing, const Many& crossing_wide, const V3<T>& r) {
-    const NodeOrder& o = a_.order[i];
-    const InertiaT<T>& c = composite_[i];
-    InertiaT<T>& up = composite_[o.parent];
+  UGOKI_INLINE void carry(const NodeOrder& o, const InertiaT<T>& c, const One& crossing, const Many& crossing_wide, const V3<T>& r) {
     const V3<T> h = crossing.up(c.h);
     Sym3T<T> I = crossing.up(c.I);
     // the parallel-axis theorem for a first moment h about the old origin, which is at r
@@ -89,12 +171,10 @@ class InertiaKernel {
     I.xy -= r.x * (rm.y + h.y) + r.y * h.x;
     I.xz -= r.x * (rm.z + h.z) + r.z * h.x;
     I.yz -= r.y * (rm.z + h.z) + r.z * h.y;
-    up.mass += c.mass;
-    up.h += h + rm;
-    up.I = up.I + I;
-    const V3<Wide> wide_r{Wide(r.x.v), Wide(r.y.v), Wide(r.z.v)};
+    hand_on(o, {c.mass, h + rm, I});
+    const V3<Wide> wide_r = wide(r);
     double *const nx = nx_, *const ny = ny_, *const nz = nz_, *const fx = fx_, *const fy = fy_, *const fz = fz_;
-    for (int k = o.force_begin, end = o.force_end; k < end; k += Wide::count) {
+    for (int k = o.force_begin * lanes, end = o.force_end * lanes; k < end; k += Wide::count) {
       const V3<Wide> f = crossing_wide.up(load_wide(fx, fy, fz, k));
       const V3<Wide> n = crossing_wide.up(load_wide(nx, ny, nz, k)) + cross(wide_r, f);
       store_wide(f, fx, fy, fz, k);
@@ -105,53 +185,42 @@ class InertiaKernel {
   template <Crossing K>
   UGOKI_INLINE void revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<double>& c = a_.constants[i];
-    const InertiaT<T>& C = composite_[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
+    const InertiaT<T> C = gather(o, c);
     const T sign(c.sign), none(0);
     start(o.force_end - 1, V3<T>{C.I.xz, C.I.yz, C.I.zz} * sign, V3<T>{-C.h.y, C.h.x, none} * sign);
-    const int depth = a_.depth[o.v];
-    if (o.ordered) {
-      double* const out = a_.out + depth;
-      const double* const nz = nz_;
-      const int* const row = row_;
-      for (int k = o.force_begin, end = o.force_end; k < end; ++k) out[row[k]] = nz[k] * c.sign;
-    } else {
-      for (int k = o.force_begin; k < o.force_end; ++k) entry(k, o.v, depth) = nz_[k] * c.sign;
-    }
-    a_.out[a_.row_start[o.v] + depth] += c.armature[0];
-    if (o.parent < 0) return;
+    const Wide along = wide(sign);
+    entries(o.force_begin, o.force_end, c.armature[0], [&](int k) { return Wide::load(nz_ + k) * along; });
+    if (!twins && o.parent < 0) return;
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    carry(i, X, RevoluteCrossing<Wide, K>{Wide(X.s.v), Wide(X.c.v)}, vector_of<T>(c.p));
+    carry(o, C, X, RevoluteCrossing<Wide, K>{wide(X.s), wide(X.c)}, vector_of<T>(c.p));
   }
 
   void other(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<double>& c = a_.constants[i];
-    const InertiaT<T>& C = composite_[i];
+    const NodeConstants<Constant>& c = a_.constants[i];
+    const InertiaT<T> C = gather(o, c);
     const T none(0), sign(c.sign), pitch(c.pitch);
     const V3<T> z{none, none, sign}, zero{none, none, none};
     // a motion (w, v) of the node takes the force (I w + h x v, m v - h x w)
     const auto begin = [&](int k, const V3<T>& w, const V3<T>& v) {
       start(o.force_end - 1 - k, C.I * w + cross(C.h, v), v * C.mass - cross(C.h, w));
     };
-    // entry(force) of the node's freedom k, with all forces of its subtree; of its own only those from k on
-    const auto entries = [&](int k, const auto& along) {
-      const int depth = a_.depth[o.v + k];
-      for (int e = o.force_begin; e < o.force_end - k; ++e) entry(e, o.v + k, depth) = along(e);
-      a_.out[a_.row_start[o.v + k] + depth] += c.armature[k];
-    };
+    // of its own forces the freedom k takes only those from k on
+    const auto column = [&](int k, const auto& along) { entries(o.force_begin, o.force_end - k, c.armature[k], along); };
+    const Wide wide_sign = wide(sign), wide_pitch = wide(pitch);
     switch (o.kind) {
       case NodeKind::revolute:
         begin(0, z, zero);
-        entries(0, [&](int e) { return nz_[e] * c.sign; });
+        column(0, [&](int k) { return Wide::load(nz_ + k) * wide_sign; });
         break;
       case NodeKind::prismatic:
         begin(0, zero, z);
-        entries(0, [&](int e) { return fz_[e] * c.sign; });
+        column(0, [&](int k) { return Wide::load(fz_ + k) * wide_sign; });
         break;
       case NodeKind::helical:
         begin(0, z, z * pitch);
-        entries(0, [&](int e) { return (nz_[e] + fz_[e] * c.pitch) * c.sign; });
+        column(0, [&](int k) { return (Wide::load(nz_ + k) + Wide::load(fz_ + k) * wide_pitch) * wide_sign; });
         break;
       case NodeKind::spherical:
       case NodeKind::floating: {
@@ -162,29 +231,31 @@ class InertiaKernel {
           begin(k, w, zero);
           if (o.kind == NodeKind::floating) begin(3 + k, zero, E.row(k));
         }
-        entries(0, [&](int e) { return nx_[e]; });
-        entries(1, [&](int e) { return ny_[e]; });
-        entries(2, [&](int e) { return nz_[e]; });
+        column(0, [&](int k) { return Wide::load(nx_ + k); });
+        column(1, [&](int k) { return Wide::load(ny_ + k); });
+        column(2, [&](int k) { return Wide::load(nz_ + k); });
         if (o.kind == NodeKind::spherical) break;
         for (int k = 0; k < 3; ++k) {
-          const V3<T> row = E.row(k);
-          entries(3 + k, [&](int e) { return fx_[e] * row.x.v + fy_[e] * row.y.v + fz_[e] * row.z.v; });
+          const V3<Wide> axis = wide(E.row(k));
+          column(3 + k, [&](int e) { return dot(load_wide(fx_, fy_, fz_, e), axis); });
         }
         break;
       }
     }
-    if (o.parent < 0) return;
-    Mat3T<Wide> E;
-    const Mat3T<T>& e = pass_.E[i];
-    E = {Wide(e.xx.v), Wide(e.xy.v), Wide(e.xz.v), Wide(e.yx.v), Wide(e.yy.v), Wide(e.yz.v), Wide(e.zx.v), Wide(e.zy.v), Wide(e.zz.v)};
-    carry(i, MatrixCrossing<T>{e}, MatrixCrossing<Wide>{E}, pass_.origin(i));
+    if (!twins && o.parent < 0) return;
+    carry(o, C, MatrixCrossing<T>{pass_.E[i]}, MatrixCrossing<Wide>{wide(pass_.E[i])}, pass_.origin(i));
   }
 
-  Pass<T> pass_;
-  const KernelArguments<double>& a_;
-  InertiaT<T>* composite_;                    // [nodes]
-  double *nx_, *ny_, *nz_, *fx_, *fy_, *fz_;  // [nv] forces of the freedoms, last nodes first
-  int* row_;                                  // [nv] where their rows start
+  Pass<T, Constant> pass_;
+  const KernelArguments<double, Constant>& a_;
+  InertiaT<T>* slots_;
+  const Twins* twins_ = nullptr;
+  int twin_count_ = 0;
+  InertiaT<T> carry_;
+  double *nx_, *ny_, *nz_, *fx_, *fy_, *fz_;  // [nv * lanes] forces of the freedoms, last nodes first
+  double* entries_;                           // not yet written to their places
+  int written_ = 0;                           // of them
+  const int* place_;                          // of the next ones
 };
 
 }  // namespace

@@ -1,8 +1,9 @@
 #pragma once
-// Inverse and forward dynamics of one instance with twins (link_twins.h): the kernels of the trunk, and of each pair in two lanes.
-// For kernels_*.cpp only.
+// Inverse and forward dynamics and inertia matrix of one instance with twins (link_twins.h): the kernels of the trunk, and of each pair in
+// two lanes. For kernels_*.cpp only.
 
 #include "ugoki/dynamics/kernel_forward.h"
+#include "ugoki/dynamics/kernel_inertia.h"
 #include "ugoki/dynamics/kernel_inverse.h"
 
 namespace ugoki::dynamics {
@@ -42,15 +43,23 @@ class Packed {
     a_.scratch = scratch.take<std::byte>(0);
   }
   void gather() const {
-    for (int i = 0; i < 2 * pair_.nq; ++i) q_[i] = whole_.q[pair_.q_of[i]];
+    gather_places();
     for (int i = 0; i < 2 * a_.nv; ++i) v_[i] = whole_.v[pair_.v_of[i]];
     if (whole_.in == nullptr) return;
     for (int i = 0; i < 2 * a_.nv; ++i) in_[i] = whole_.in[pair_.v_of[i]];
+  }
+  void gather_places() const {
+    for (int i = 0; i < 2 * pair_.nq; ++i) q_[i] = whole_.q[pair_.q_of[i]];
   }
   void scatter() const {
     for (int i = 0; i < 2 * a_.nv; ++i) whole_.out[pair_.v_of[i]] = out_[i];
   }
   [[nodiscard]] const KernelArguments<double, Both>& arguments() const { return a_; }
+  /// The same, but what comes out goes where that of the whole goes.
+  [[nodiscard]] const KernelArguments<double, Both>& arguments_of_whole() {
+    a_.out = whole_.out;
+    return a_;
+  }
 
  private:
   const KernelArguments<double>& whole_;
@@ -58,6 +67,9 @@ class Packed {
   KernelArguments<double, Both> a_;
   double *q_, *v_, *in_, *out_;
 };
+
+/// Sines and cosines of all parts.
+UGOKI_INLINE void prepare(const TwinArguments& a) { sines_of(a.trunk.q, a.angle_q, a.angle_sign, a.angles, a.trunk.sin, a.trunk.cos); }
 
 class Forward {
  public:
@@ -74,6 +86,7 @@ class Forward {
   }
 
   void turn() {
+    prepare(a_);
     trunk_.turn_all();
     for (int i = 0; i < a_.pair_count; ++i) {
       const Packed packed(a_, a_.pairs[i]);
@@ -131,6 +144,7 @@ class Forward {
 };
 
 inline void inverse(const TwinArguments& a) {
+  prepare(a);
   using Trunk = InverseKernel<One>;
   using Twins = InverseKernel<Two, Both>;
   Trunk trunk(a.trunk);
@@ -148,6 +162,25 @@ inline void inverse(const TwinArguments& a) {
     trunk.take(a.pairs[i].base, total(pair.handed_on().n), total(pair.handed_on().f));
   }
   trunk.press();
+}
+
+inline void inertia(const TwinArguments& a) {
+  prepare(a);
+  using Trunk = InertiaKernel<One>;
+  Trunk::Twins handed_on[TwinArguments::most_pairs];
+  for (int i = 0; i < a.pair_count; ++i) {
+    const TwinArguments::Pair& p = a.pairs[a.pair_count - 1 - i];  // their forces come in rising order
+    Packed packed(a, p);
+    packed.gather_places();
+    InertiaKernel<Two, Both> pair(packed.arguments_of_whole());
+    pair.run();
+    const InertiaT<Two>& C = pair.handed_on();
+    handed_on[i] = {{total(C.mass), total(C.h), total(C.I)}, {}, p.force_begin, 0, p.place};
+    pair.hand_on_forces(handed_on[i]);
+  }
+  Trunk trunk(a.trunk);
+  trunk.take_twins(handed_on, a.pair_count);
+  trunk.run();
 }
 
 }  // namespace twins

@@ -26,17 +26,17 @@ struct KernelArguments {
   const int* angle_q;
   const double* angle_sign;
   int angles;
+  double* sin = nullptr;  ///< of the angles, where they are known already; else null
+  double* cos = nullptr;
 
-  const Real* q;         ///< [nq]
-  const Real* v;         ///< [nv]
-  const Real* in;        ///< [nv] vdot or tau; null: zero
-  const Real* external;  ///< [links * 6] wrenches about the world origin in world axes, angular first; null: none
-  Real* out;             ///< [nv] tau or vdot
-  Real gravity[3];       ///< m/s^2
-  std::byte* scratch;    ///< scratch_size(), on a boundary of 64 bytes
-  const int* row_start;  ///< inertia matrix only
-  const int* depth;
-  const int* force_freedom;
+  const Real* q;           ///< [nq]
+  const Real* v;           ///< [nv]
+  const Real* in;          ///< [nv] vdot or tau; null: zero
+  const Real* external;    ///< [links * 6] wrenches about the world origin in world axes, angular first; null: none
+  Real* out;               ///< [nv] tau or vdot
+  Real gravity[3];         ///< m/s^2
+  std::byte* scratch;      ///< scratch_size(), on a boundary of 64 bytes
+  const int* entry_place;  ///< inertia matrix only: Workspace::entry_place
   std::ptrdiff_t stride;
 };
 
@@ -51,12 +51,16 @@ struct TwinArguments {
     const int* node;  ///< [nodes * 2] of the whole program
     int base;         ///< node of the trunk that carries them
     int place;        ///< NodeOrder::twins of that node
+    int force_begin;  ///< of the trunk's forces, where those of the pair begin
     bool first;       ///< of this base
   };
   KernelArguments<double> trunk;
   const int* trunk_node;  ///< [trunk.nodes] of the whole program
   int pair_count;
   int places;
+  const int* angle_q;        ///< [angles] of all: the trunk's, then those of each pair; a multiple of 8
+  const double* angle_sign;  ///< [angles]
+  int angles;
   Pair pairs[most_pairs];
 };
 
@@ -76,11 +80,15 @@ struct Kernels {
   void (*inertia)(const KernelArguments<double>&);  ///< `out`: chain rows
   void (*inverse_twins)(const TwinArguments&);      ///< without external wrenches
   bool (*forward_twins)(const TwinArguments&);
+  void (*inertia_twins)(const TwinArguments&);
   /// s[i], c[i] = sine and cosine of x[i]. @param n a multiple of 8
   void (*sin_cos)(const double* x, double* s, double* c, int n);
   BatchKernels<double> in_double;
   BatchKernels<float> in_single;
 };
+
+/// Entries that the inertia matrix gathers before it writes them to their places.
+inline constexpr int inertia_entries_at_once = 256;
 
 /// Bytes of scratch that the kernels need for `instances` side by side.
 [[nodiscard]] std::size_t scratch_size(const LinkProgram& program, std::size_t bytes_a_number, int instances);

@@ -20,7 +20,7 @@ void inverse(const KernelArguments<typename T::Real>& a) {
   InverseKernel<T>(a).run();
 }
 bool forward_one(const KernelArguments<double>& a) { return !ForwardKernel<One>(a).run()[0]; }
-void inertia_one(const KernelArguments<double>& a) { InertiaKernel(a).run(); }
+void inertia_one(const KernelArguments<double>& a) { InertiaKernel<One>(a).run(); }
 
 bool forward_twins(const TwinArguments& a) { return twins::Forward(a).run(); }
 
@@ -57,6 +57,7 @@ const Kernels table = {inverse<One>,
                        inertia_one,
                        twins::inverse,
                        forward_twins,
+                       twins::inertia,
                        sines,
                        {UGOKI_DOUBLE_LANES, inverse<Wide<double>>, forward_batch<Wide<double>>, step_batch<Wide<double>>},
                        {UGOKI_FLOAT_LANES, inverse<Wide<float>>, forward_batch<Wide<float>>, step_batch<Wide<float>>}};

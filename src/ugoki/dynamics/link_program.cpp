@@ -200,16 +200,10 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
     constants.push_back(constants_of(d));
   }
   slots = mark_children(order);
-  std::vector<int> least_below(order.size(), nv);  // of the freedoms below each node
   for (std::size_t i = order.size(); i-- > 0;) {
     order[i].force_begin = last[i] < 0 ? static_cast<int>(force_freedom.size()) : order[static_cast<std::size_t>(last[i])].force_begin;
     for (int k = freedoms_of(order[i].kind); k-- > 0;) force_freedom.push_back(order[i].v + k);
     order[i].force_end = static_cast<int>(force_freedom.size());
-    order[i].ordered = least_below[i] >= order[i].v;
-    if (order[i].parent >= 0) {
-      int& least = least_below[static_cast<std::size_t>(order[i].parent)];
-      least = std::min({least, least_below[i], order[i].v});
-    }
     order[i].end = last[i] < 0 ? static_cast<int>(i) + 1 : order[static_cast<std::size_t>(last[i])].end;
   }
 }

@@ -39,7 +39,6 @@ struct NodeOrder {
   int force_begin = 0;       ///< the freedoms of its subtree are [force_begin, force_end) in force_freedom, its own the last,
   int force_end = 0;         ///< the first of them at the end
   int twins = -1;            ///< of a node that carries twins: the place of what they hand on (link_twins.h)
-  bool ordered = true;       ///< no freedom of its subtree comes before one of its own in v
 };
 
 /// Constants of a node; Real: double or float.

@@ -19,6 +19,8 @@ class Search {
       if (lane_[at(i)] == 0) pair_children(i);
     make_trunk();
     for (const auto& [a, b] : found_) make_pair(a, b);
+    order_forces();
+    gather_angles();
   }
 
  private:
@@ -87,6 +89,8 @@ class Search {
       }
       for (int k = 0; k < coordinates_of(o.kind); ++k) t.q_of.insert(t.q_of.end(), {order(i).q + k, other.q + k});
       for (int k = 0; k < freedoms_of(o.kind); ++k) t.v_of.insert(t.v_of.end(), {order(i).v + k, other.v + k});
+      o.force_begin -= order(a).force_begin;
+      o.force_end -= order(a).force_begin;
       o.q = t.nq;
       o.v = t.nv;
       t.nq = int_of(t.q_of.size() / 2);
@@ -95,6 +99,10 @@ class Search {
       t.node.insert(t.node.end(), {i, b + i - a});
       t.constants.push_back(side_by_side(p_.constants[at(i)], p_.constants[at(b + i - a)]));
     }
+    for (int k = 0; k < order(a).force_end - order(a).force_begin; ++k)
+      for (const int root : {a, b}) t.force_freedom.push_back(p_.force_freedom[at(order(root).force_begin + k)]);
+    for (const NodeOrder& o : t.order)
+      for (int k = 0; k < freedoms_of(o.kind); ++k) t.entries += 2 * (o.force_end - o.force_begin - k);
     t.slots = mark_children(t.order);
     t.base = trunk_of_[at(order(a).parent)];
     int& place = t_.trunk.order[at(t.base)].twins;
@@ -105,6 +113,45 @@ class Search {
     // q, v, in, out and the kernel's own
     t_.scratch += rounded(scratch_size(int_of(t.order.size()), t.nv, t.slots, int_of(t.angle_q.size()), sizeof(double), 2));
     t_.pairs.push_back(std::move(t));
+  }
+
+  /// Forces of the trunk anew: those of the pairs that a node carries come after those of its subtree in the trunk, its own last.
+  void order_forces() {
+    LinkTwins::Part<double>& t = t_.trunk;
+    std::vector<int> begin(t.order.size(), -1);  // where the forces of each node's subtree begin
+    for (std::size_t i = t.order.size(); i-- > 0;) {
+      NodeOrder& o = t.order[i];
+      o.force_begin = begin[i] < 0 ? int_of(t.force_freedom.size()) : begin[i];
+      for (std::size_t k = t_.pairs.size(); k-- > 0;) {
+        LinkTwins::Pair& pair = t_.pairs[k];
+        if (pair.base != int_of(i)) continue;
+        pair.force_begin = int_of(t.force_freedom.size());
+        t.force_freedom.insert(t.force_freedom.end(), pair.force_freedom.begin(), pair.force_freedom.end());
+      }
+      for (int k = freedoms_of(o.kind); k-- > 0;) t.force_freedom.push_back(o.v + k);
+      o.force_end = int_of(t.force_freedom.size());
+      if (o.parent >= 0 && begin[at(o.parent)] < 0) begin[at(o.parent)] = o.force_begin;
+    }
+  }
+
+  void gather_angles() {
+    t_.angle_q = t_.trunk.angle_q;
+    t_.angle_sign = t_.trunk.angle_sign;
+    const auto fill_up = [&](std::size_t unit) {
+      while (t_.angle_q.size() % unit != 0) {
+        t_.angle_q.push_back(0);
+        t_.angle_sign.push_back(0);
+      }
+    };
+    for (LinkTwins::Pair& pair : t_.pairs) {
+      fill_up(2);
+      pair.angle_begin = int_of(t_.angle_q.size());
+      for (const int q : pair.angle_q) t_.angle_q.insert(t_.angle_q.end(), {pair.q_of[at(2 * q)], pair.q_of[at(2 * q + 1)]});
+      t_.angle_sign.insert(t_.angle_sign.end(), pair.angle_sign.begin(), pair.angle_sign.end());
+    }
+    fill_up(8);
+    t_.sines = t_.scratch;
+    t_.scratch += 2 * t_.angle_q.size() * sizeof(double);
   }
 
   static NodeConstants<LinkTwins::Both> side_by_side(const NodeConstants<double>& a, const NodeConstants<double>& b) {
@@ -149,6 +196,21 @@ KernelArguments<double, Constant> part_arguments(const LinkTwins::Part<Constant>
 
 }  // namespace
 
+std::vector<std::pair<int, int>> LinkTwins::entry_freedoms() const {
+  std::vector<std::pair<int, int>> out;
+  const auto append = [&](const std::vector<NodeOrder>& order, const std::vector<int>& force_freedom, int lanes) {
+    for (std::size_t i = order.size(); i-- > 0;) {
+      const NodeOrder& o = order[i];
+      for (int k = 0; k < freedoms_of(o.kind); ++k)
+        for (int e = o.force_begin * lanes; e < (o.force_end - k) * lanes; ++e)
+          out.emplace_back(force_freedom[at((o.force_end - 1 - k) * lanes + e % lanes)], force_freedom[at(e)]);
+    }
+  };
+  for (std::size_t i = pairs.size(); i-- > 0;) append(pairs[i].order, pairs[i].force_freedom, 2);
+  append(trunk.order, trunk.force_freedom, 1);
+  return out;
+}
+
 LinkTwins::LinkTwins(const LinkProgram& program) { Search(program, *this).run(); }
 
 TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
@@ -160,14 +222,30 @@ TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
   out.trunk.out = whole.out;
   out.trunk.scratch = whole.scratch;
   out.trunk.stride = 1;
+  out.angle_q = angle_q.data();
+  out.angle_sign = angle_sign.data();
+  out.angles = int_of(angle_q.size());
+  double* const sin = reinterpret_cast<double*>(whole.scratch + sines);
+  double* const cos = sin + angle_q.size();
+  out.trunk.sin = sin;
+  out.trunk.cos = cos;
   out.trunk_node = trunk.node.data();
   out.pair_count = int_of(pairs.size());
   out.places = places;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& p = pairs[i];
-    out.pairs[i] = {part_arguments(p, whole), p.nq, p.q_of.data(), p.v_of.data(), p.node.data(), p.base, p.place, p.first};
+    out.pairs[i] = {part_arguments(p, whole), p.nq, p.q_of.data(), p.v_of.data(), p.node.data(), p.base, p.place, p.force_begin, p.first};
     out.pairs[i].a.scratch = whole.scratch + p.scratch;
     out.pairs[i].a.stride = 2;
+    out.pairs[i].a.sin = sin + p.angle_begin;
+    out.pairs[i].a.cos = cos + p.angle_begin;
+  }
+  if (const int* place = whole.entry_place; place != nullptr) {
+    for (std::size_t i = pairs.size(); i-- > 0;) {
+      out.pairs[i].a.entry_place = place;
+      place += pairs[i].entries;
+    }
+    out.trunk.entry_place = place;
   }
   return out;
 }

@@ -49,6 +49,11 @@ Workspace::Workspace(const Mechanism& m) : program(m), twins(program) {
   D_inverse.resize(n);
 }
 
+int Workspace::place_of(int i, int j) const {
+  const auto last = static_cast<std::size_t>(std::max(i, j)), first = static_cast<std::size_t>(std::min(i, j));
+  return row_start[last] + depth[first];
+}
+
 void Workspace::make_rows(const Mechanism& m) {
   const auto entries = static_cast<std::size_t>(row_start.back());
   UGOKI_CHECK(entries < too_many_entries);
@@ -59,6 +64,8 @@ void Workspace::make_rows(const Mechanism& m) {
       std::copy_n(chain.data() + row_start[static_cast<std::size_t>(parent)], depth[i], row);
     row[depth[i]] = static_cast<int>(i);
   }
+  entry_place.reserve(entries);
+  for (const auto& [above, below] : twins.entry_freedoms()) entry_place.push_back(place_of(above, below));
   M.resize(entries);
   L.resize(entries);
 }

@@ -29,9 +29,12 @@ struct alignas(64) CacheLine {
 struct Workspace {
   explicit Workspace(const Mechanism& mechanism);
 
-  /// Sizes `chain`, M and L, which take O(nv depth) memory. The constructor does it up to a million entries, and
+  /// Makes `chain`, `entry_place`, M and L, which take O(nv depth) memory. The constructor does it up to a million entries, and
   /// calc_inertia_rows() where it was not done yet.
   void make_rows(const Mechanism& mechanism);
+
+  /// Where the entry of freedoms i and j, of which one moves the other, stands in M and L.
+  [[nodiscard]] int place_of(int i, int j) const;
 
   // From the mechanism
   LinkProgram program;            ///< what the fast kernels run
@@ -39,6 +42,7 @@ struct Workspace {
   std::vector<int> depth;         ///< [nv] freedoms above freedom i
   std::vector<int> row_start;     ///< [nv + 1] first entry of row i in `chain`, `M`, `L`; row i has depth[i] + 1 entries
   std::vector<int> chain;         ///< freedoms from the base to i, i included
+  std::vector<int> entry_place;   ///< [entries of M] where they stand, in the order in which kernel_inertia.h has them
   std::vector<int> link_chain;    ///< [links] deepest freedom that moves the link, or -1
   std::vector<Freedom> freedoms;  ///< [nv]
 
