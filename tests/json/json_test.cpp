@@ -23,6 +23,7 @@ TEST(Json, FaultsHaveTheirLine) {
       {"[1,\n1e999]", "f:2", ErrorCode::syntax},
       {"[\"\xFF\"]", "f:1", ErrorCode::syntax},
       {std::string("\0", 1), "f:1", ErrorCode::syntax},
+      {std::string("{\"a\":\n1}\0}", 10), "f:2", ErrorCode::syntax},  // what comes after is not left out without a word
       {"{\"a\": [{\"b\": 1, \"c\": {\"b\": 2}},\n {\"b\": 1,\n\"d\": \"b\", \"b\" : 3}]}", "f:3", ErrorCode::duplicate},
       {std::string(max_depth + 1, '[') + std::string(max_depth + 1, ']'), "f", ErrorCode::range},
   };

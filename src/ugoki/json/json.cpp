@@ -119,6 +119,8 @@ Result<Json> parse_json(std::string_view text, std::string_view name, std::size_
                 "Make it smaller.");
   if (const std::string excess = excess_of(text); !excess.empty())
     return fail(ErrorCode::range, std::string(name), excess, "No valid document is like that; write it anew.");
+  if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)  // at which the library would stop, content
+    return fail(ErrorCode::syntax, place_of(name, text, zero), "A zero byte stands here, as in no JSON text.", "Save it as UTF-8 again.");
   Json json = Json::parse(text.begin(), text.end(), nullptr, false);
   if (json.is_discarded()) return fault(text, name);
   if (const std::string_view field = repeated_field(text); field.data())
