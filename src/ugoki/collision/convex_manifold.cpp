@@ -50,6 +50,17 @@ void add_four(const Candidates& c, const Vec3& n, double margin, const Vec3& con
   }
 }
 
+/// Are they known to overlap by less than -`margin`, from the last separating direction (or the line of their centres) alone? Spares the
+/// depth of all that touch when only deep overlaps are asked for.
+bool hardly_overlap(const Support& a, const Pose& X_a, const Support& b, const Pose& X_b, double margin, const GilbertCache& cache) {
+  const bool known = dot(cache.n, cache.n) > 0.5;
+  const Vec3 n = known ? X_a.R * cache.n : normalized(X_a * centre_of(a) - X_b * centre_of(b));
+  const bool hint = known && cache.count > 0;
+  const Vec3 low = X_a * find_support(a, transpose_times(X_a.R, -n), hint ? cache.a[0] : 0).p;
+  const Vec3 high = X_b * find_support(b, transpose_times(X_b.R, n), hint ? cache.b[0] : 0).p;
+  return dot(n, low - high) - a.radius - b.radius >= margin;
+}
+
 bool has_face(const Patch& p) { return p.count > 2; }
 bool along_each_other(const Patch& a, const Patch& b) {
   if (a.count != 2 || b.count != 2) return false;
@@ -61,6 +72,7 @@ bool along_each_other(const Patch& a, const Patch& b) {
 
 void add_convex_convex(const Collider& a, const Pose& X_a, const Collider& b, const Pose& X_b, double margin, GilbertCache& cache,
                        PenetrationWorkspace& workspace, Manifold& out) {
+  if (margin < 0 && hardly_overlap(a.support, X_a, b.support, X_b, margin, cache)) return;
   GilbertOptions options;
   options.farthest = margin;
   const SignedDistance d = signed_distance(a.support, X_a, b.support, X_b, cache, workspace, options);

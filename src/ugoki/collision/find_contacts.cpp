@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <memory>
+#include <tuple>
 
 #include "ugoki/base/check.h"
+#include "ugoki/collision/broad_phase.h"
 #include "ugoki/collision/scene.h"
 
 namespace ugoki::collision {
@@ -136,20 +139,64 @@ struct Search {
            a.low.z < b.high.z + margin && b.low.z < a.high.z + margin;
   }
 
+  [[nodiscard]] bool near(std::size_t shape, int system) const {
+    const Workspace::Ball& ball = work.balls[shape];
+    const Vec3 r{ball.r, ball.r, ball.r};
+    return near({ball.c - r, ball.c + r}, work.extents[static_cast<std::size_t>(system)]);
+  }
+
   void between(int system_a, int system_b) {
-    const Workspace::Extent& other = work.extents[static_cast<std::size_t>(system_b)];
-    if (!near(work.extents[static_cast<std::size_t>(system_a)], other)) return;
+    if (!near(work.extents[static_cast<std::size_t>(system_a)], work.extents[static_cast<std::size_t>(system_b)])) return;
     for (int i = scene.first_shape(system_a); i < scene.first_shape(system_a + 1); ++i) {
       const auto a = static_cast<std::size_t>(i);
-      const Workspace::Ball& ball = work.balls[a];
-      const Vec3 r{ball.r, ball.r, ball.r};
-      if (!near({ball.c - r, ball.c + r}, other)) continue;
+      if (!near(a, system_b)) continue;
       const bool a_moves = scene.shapes()[a].movable;
       for (int j = scene.first_shape(system_b); j < scene.first_shape(system_b + 1); ++j) {
         const auto b = static_cast<std::size_t>(j);
         if (bounds_near(a, b) && (a_moves || scene.shapes()[b].movable)) pair(a, b);
       }
     }
+  }
+
+  void all_pairs() {
+    const int systems = static_cast<int>(X_WB.size());
+    for (int s = 0; s < systems; ++s)
+      if (scene.self_collision(s) && !is_still(s)) within(s);
+    if (!scene.options().between_systems) return;
+    for (int a = 0; a < systems; ++a)
+      for (int b = a + 1; b < systems; ++b)
+        if (!is_still(a) || !is_still(b)) between(a, b);
+  }
+
+  /// What all_pairs() looks at, in the same order, from the few pairs that the superior tree names.
+  void crowd() {
+    const std::span<const SceneShape> shapes = scene.shapes();
+    if (!work.broad_phase) work.broad_phase = std::make_unique<BroadPhase>();
+    const std::span<const BodyPair> named = work.broad_phase->find(scene, std::span(work.balls).first(shapes.size()), margin);
+    const auto system = [&](std::int32_t i) { return shapes[static_cast<std::size_t>(i)].system; };
+    const auto first = [](const ShapePair& p) { return std::pair(p.a, p.b); };
+    work.near.clear();
+    for (const BodyPair& p : named) {
+      const auto a = static_cast<std::size_t>(p.a), b = static_cast<std::size_t>(p.b);
+      const int of_a = system(p.a), of_b = system(p.b);
+      if ((is_still(of_a) && is_still(of_b)) || !bounds_near(a, b)) continue;
+      if (of_a != of_b ? scene.options().between_systems && near(a, of_b)
+                       : BroadPhase::covers(scene, of_a) && std::ranges::binary_search(scene.self_pairs(of_a), std::pair(p.a, p.b), {}, first))
+        work.near.push_back({p.a, p.b});
+    }
+    const auto before = [&](const ShapePair& p, const ShapePair& q) {
+      const int pa = system(p.a), pb = system(p.b), qa = system(q.a), qb = system(q.b);
+      return std::tuple(pa != pb, pa, pb, p.a, p.b) < std::tuple(qa != qb, qa, qb, q.a, q.b);
+    };
+    if (!std::ranges::is_sorted(work.near, before)) std::ranges::sort(work.near, before);
+    auto next = work.near.begin();
+    const auto look = [&](const ShapePair& p) { pair(static_cast<std::size_t>(p.a), static_cast<std::size_t>(p.b)); };
+    for (int s = 0; s < static_cast<int>(X_WB.size()); ++s) {
+      if (!scene.self_collision(s) || is_still(s)) continue;
+      if (!BroadPhase::covers(scene, s)) within(s);
+      for (; next != work.near.end() && system(next->b) == s && system(next->a) == s; ++next) look(*next);
+    }
+    for (; next != work.near.end(); ++next) look(*next);
   }
 };
 
@@ -180,12 +227,10 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
   for (int s = 0; s < systems; ++s) self = self || scene.self_collision(s);
   if (!between && !self) return;
   search.bounds();
-  for (int s = 0; s < systems; ++s)
-    if (scene.self_collision(s) && !search.is_still(s)) search.within(s);
-  if (!between) return;
-  for (int a = 0; a < systems; ++a)
-    for (int b = a + 1; b < systems; ++b)
-      if (!search.is_still(a) || !search.is_still(b)) search.between(a, b);
+  if (BroadPhase::pays(scene))
+    search.crowd();
+  else
+    search.all_pairs();
 }
 
 }  // namespace ugoki::collision

@@ -14,6 +14,14 @@ BodyPair ordered(int a, int b) { return a < b ? BodyPair{a, b} : BodyPair{b, a};
 
 bool before(const PairFront::Entry& x, const PairFront::Entry& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; }
 
+template <class Found>
+const BodyPair& bodies_of(const Found& found) {
+  if constexpr (requires { found.bodies; })
+    return found.bodies;
+  else
+    return found;
+}
+
 double size_of(const SuperiorTree::Box& b) {
   const Vec3 d = b.high - b.low;
   return d.x + d.y + d.z;
@@ -116,9 +124,12 @@ void PairFront::reserve(std::size_t bodies) {
   touched_.reserve(capacity);
   spare_.reserve(capacity);
   old_.reserve(capacity);
-  caches_.reserve(capacity);
-  free_caches_.reserve(capacity);
   stack_.reserve(256);
+}
+
+void PairFront::reserve_caches() {
+  caches_.reserve(entries_.capacity());
+  free_caches_.reserve(entries_.capacity());
 }
 
 void PairFront::scan(const SuperiorTree& tree, double limit) {
@@ -216,6 +227,7 @@ BodyPair NearestPair::first_guess(SuperiorTree& tree) const {
 
 void NearestPair::begin(SuperiorTree& tree, const BodyPair& guess, double limit) {
   make(tree, tree.group_root(group_a_), tree.group_root(group_b_), limit);
+  reserve_caches();
   const auto found = std::ranges::find_if(entries_, [&](const Entry& e) { return BodyPair{e.a, e.b} == guess; });
   best_entry_ = static_cast<std::size_t>(found - entries_.begin());
 }
@@ -252,22 +264,10 @@ const NearPair& NearestPair::find(SuperiorTree& tree, PairFunction& distance) {
   return best_;
 }
 
-void PairsWithin::find(SuperiorTree& tree, double margin, PairFunction& distance, std::vector<NearPair>& out) {
-  out.clear();
-  late_.clear();
-  counts_ = {};
-  if (tree.root() < 0) return;
-  if (!holds(tree) || grown()) {
-    make(tree, tree.root(), tree.root(), margin);
-    late_.reserve(std::min<std::size_t>(entries_.capacity(), 4096));
-  }
+template <class Found, class Ask>
+void PairFront::ask_within(SuperiorTree& tree, double margin, std::vector<Found>& out, std::vector<Found>& late, const Ask& ask) {
   scan(tree, margin);
   const double limit = margin + tree.slack();
-  const auto ask = [&](std::size_t i, std::vector<NearPair>& found) {
-    const Entry& e = entries_[i];
-    const PairDistance d = measure(tree, i, margin + lasting(tree, e), distance);
-    if (d.exact && d.distance <= margin) found.push_back({{e.a, e.b}, d});
-  };
   const std::size_t before_splits = entries_.size();
   for (const std::uint32_t i : touched_) {
     if (!leaf(tree, entries_[i])) {
@@ -278,21 +278,52 @@ void PairsWithin::find(SuperiorTree& tree, double margin, PairFunction& distance
     if (apart > limit)
       entries_[i].key = make_entry(tree, entries_[i].a, entries_[i].b, apart).key;
     else
-      ask(i, i < sorted_ ? out : late_);
+      ask(i, i < sorted_ ? out : late);
   }
   for (std::size_t i = before_splits; i < entries_.size(); ++i)
-    if (leaf(tree, entries_[i]) && may_be_within(tree, entries_[i], margin)) ask(i, late_);
+    if (leaf(tree, entries_[i]) && may_be_within(tree, entries_[i], margin)) ask(i, late);
   if (entries_.size() - sorted_ > sorted_ / 8 + 64) sort_new();
   // Both lists in the order of (a, b): merged from their ends.
-  std::ranges::sort(late_, {}, &NearPair::bodies);
-  std::size_t i = out.size(), j = late_.size(), k = i + j;
+  std::ranges::sort(late, {}, bodies_of<Found>);
+  std::size_t i = out.size(), j = late.size(), k = i + j;
   out.resize(k);
   while (j > 0) {
-    if (i > 0 && out[i - 1].bodies > late_[j - 1].bodies)
+    if (i > 0 && bodies_of(out[i - 1]) > bodies_of(late[j - 1]))
       out[--k] = out[--i];
     else
-      out[--k] = late_[--j];
+      out[--k] = late[--j];
   }
+}
+
+void PairsWithin::find(SuperiorTree& tree, double margin, PairFunction& distance, std::vector<NearPair>& out) {
+  out.clear();
+  late_.clear();
+  counts_ = {};
+  if (tree.root() < 0) return;
+  if (!holds(tree) || grown()) {
+    make(tree, tree.root(), tree.root(), margin);
+    reserve_caches();
+    late_.reserve(std::min<std::size_t>(entries_.capacity(), 4096));
+  }
+  ask_within(tree, margin, out, late_, [&](std::size_t i, std::vector<NearPair>& found) {
+    const Entry& e = entries_[i];
+    const PairDistance d = measure(tree, i, margin + lasting(tree, e), distance);
+    if (d.exact && d.distance <= margin) found.push_back({{e.a, e.b}, d});
+  });
+}
+
+void BoxesWithin::find(SuperiorTree& tree, double margin, std::vector<BodyPair>& out) {
+  out.clear();
+  late_.clear();
+  counts_ = {};
+  if (tree.root() < 0) return;
+  if (!holds(tree) || grown()) {
+    make(tree, tree.root(), tree.root(), margin);
+    late_.reserve(std::min<std::size_t>(entries_.capacity(), 4096));
+    out.reserve(late_.capacity());
+  }
+  ask_within(tree, margin, out, late_,
+             [&](std::size_t i, std::vector<BodyPair>& found) { found.push_back({entries_[i].a, entries_[i].b}); });
 }
 
 }  // namespace ugoki::collision

@@ -1,5 +1,6 @@
 #pragma once
-// Questions to the superior tree: the nearest pair of two groups, all pairs closer than a margin, with pairs left out.
+// Questions to the superior tree: the nearest pair of two groups, all pairs closer than a margin, or only those whose boxes are; with
+// pairs left out.
 //
 // Each question keeps a front: pairs of nodes that together cover all pairs of bodies, with a lower bound for each. A step looks at
 // the bounds, less what the nodes have moved since, and goes into only those pairs whose bound does not rule them out: by the
@@ -94,6 +95,12 @@ class PairFront {
   [[nodiscard]] bool leaf(const SuperiorTree& tree, const Entry& e) const { return tree.is_body(e.a) && tree.is_body(e.b); }
   /// Entry of two nodes whose boxes are `apart`.
   [[nodiscard]] Entry make_entry(const SuperiorTree& tree, int a, int b, double apart) const;
+  /// Calls ask(index, list) for every entry of two bodies that may be within `margin`, which appends to the list what it finds; `out`
+  /// is then in the order of (a, b).
+  template <class Found, class Ask>
+  void ask_within(SuperiorTree& tree, double margin, std::vector<Found>& out, std::vector<Found>& late, const Ask& ask);
+  /// For make(): also of what measure() needs.
+  void reserve_caches();
   /// Brings the entries from sorted_ on into the order of the others, and drops what was split.
   void sort_new();
 
@@ -150,6 +157,19 @@ class PairsWithin : private PairFront {
 
  private:
   std::vector<NearPair> late_;
+};
+
+/// All pairs whose boxes are closer than a margin: candidates for those who measure in their own way.
+class BoxesWithin : private PairFront {
+ public:
+  explicit BoxesWithin(PairFilter filter) : PairFront(std::move(filter)) {}
+  /// @param out cleared, then all pairs with a box_distance() not above `margin`, in the order of (a, b), a < b; keeps its memory.
+  ///   Bodies that turn: as far as their motion has not ruled out before that they are that near
+  void find(SuperiorTree& tree, double margin, std::vector<BodyPair>& out);
+  [[nodiscard]] const QueryCounts& counts() const { return counts_; }
+
+ private:
+  std::vector<BodyPair> late_;
 };
 
 }  // namespace ugoki::collision

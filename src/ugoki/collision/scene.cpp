@@ -5,6 +5,7 @@
 
 #include "ugoki/base/check.h"
 #include "ugoki/base/hash.h"
+#include "ugoki/collision/broad_phase.h"
 #include "ugoki/collision/distance.h"
 #include "ugoki/mechanism/state.h"
 
@@ -98,7 +99,8 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
   first_shape_.push_back(static_cast<int>(shapes_.size()));
   Hash64 content;
   for (const SceneShape& s : shapes_) {
-    content.add(static_cast<std::uint64_t>(s.shape.type));
+    content.add((static_cast<std::uint64_t>(s.system) << 8) | static_cast<std::uint64_t>(s.shape.type));
+    content.add(s.movable ? s.bound : -s.bound);
     content.add(s.support.hull != nullptr ? s.support.hull->hash : 0);
   }
   content_ = content.value();
@@ -109,6 +111,10 @@ void Workspace::forget() {
   std::fill(lowest.begin(), lowest.end(), 0);
 }
 
+Workspace::Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+Workspace::~Workspace() = default;
 Workspace::Workspace(const Scene& scene) : balls(scene.shapes().size()), poses(balls.size()), extents(scene.systems().size()) {}
 
 }  // namespace ugoki::collision

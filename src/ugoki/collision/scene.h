@@ -2,6 +2,7 @@
 // Which shapes can collide with which, prepared once; and the search for all contact points of a moment.
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -64,6 +65,8 @@ class Scene {
   std::uint64_t content_ = 0;
 };
 
+class BroadPhase;
+
 /// Scratch memory of find_contacts; one for each thread. Any scene may use it; it grows to the largest.
 struct Workspace {
   struct Ball {
@@ -76,13 +79,18 @@ struct Workspace {
   std::vector<Ball> balls;           ///< [shapes] bounding spheres in the world
   std::vector<Pose> poses;           ///< [shapes] X_WS
   std::vector<Extent> extents;       ///< [systems] boxes along the world's axes that hold all balls of a system
+  std::vector<ShapePair> near;       ///< those looked at, of a crowd
   PairTable pairs;                   ///< by pair of shapes: where the last search ended
   std::vector<std::int32_t> lowest;  ///< [shapes] vertex of the hull that was nearest to the ground
   std::uint64_t content = 0;         ///< of the scene to which `pairs` and `lowest` belong
   ManifoldWorkspace manifold;
+  std::unique_ptr<BroadPhase> broad_phase;  ///< made where many shapes can meet
 
-  Workspace() = default;
+  Workspace();
   explicit Workspace(const Scene& scene);
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+  ~Workspace();
   /// As if nothing had been searched before; keeps its memory. Warm starts change the last bits of distances: who must get the
   /// same bits after going back in time forgets.
   void forget();
@@ -101,6 +109,8 @@ struct Workspace {
 /// @param margin m, may be negative
 /// @param moved [systems] only pairs of which one system has moved (not 0), with each other and with the ground; empty: all
 /// @param out cleared and filled; keeps its memory
+/// Two figures' pairs are gone through, those of a crowd, or of a mechanism of hundreds of links, come from the superior tree
+/// (broad_phase.h): the contacts are the same.
 /// No allocation after the first calls with the same workspace and out, unless pairs come near that were not, or contacts grow in
 /// number.
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& workspace,

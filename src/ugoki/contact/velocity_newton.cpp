@@ -275,15 +275,16 @@ void VelocitySolver::assemble_matrix(const Island& island) {
   }
 }
 
-/// w from the impulses.
+/// w from the impulses; the next sweep solves every block.
 void VelocitySolver::recompute_w(const Island& island) {
   for (int k = 0; k < island.systems; ++k) {
     const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
     std::fill(w_.begin() + first_[s], w_.begin() + first_[s + 1], 0.0);
   }
   for (int i = 0; i < island.blocks; ++i) {
-    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
     apply(b, p_.data() + b.row);
+    b.seen = -HUGE_VAL;
   }
 }
 
@@ -368,7 +369,7 @@ int VelocitySolver::newton(const Island& island, double change, double tolerance
     if (moved < 0.01 * tolerance) break;
   }
   recompute_w(island);
-  if (sweep(island, true) < change) return steps;
+  if (sweep(island, true, 0) < change) return steps;
   p_ = old_p_;
   recompute_w(island);
   return steps;

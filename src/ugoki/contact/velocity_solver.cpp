@@ -90,6 +90,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   first_.assign(first.begin(), first.end());
   const std::size_t systems = first.size() - 1;
   w_.assign(static_cast<std::size_t>(first.back()), 0.0);
+  moved_.assign(systems, 0.0);
   for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
   neighbour_first_.resize(systems + 2);
   // Room for what usually comes: a dozen contacts for each system.
@@ -252,23 +253,31 @@ double VelocitySolver::relax(RowBlock& b) {
       break;
     }
   }
-  double greatest = 0;
-  bool any = false;
+  double greatest = 0, square = 0;
   for (int r = 0; r < b.rows; ++r) {
     change[r] = next[r] - p[r];
     p[r] = next[r];
-    any = any || change[r] != 0;
+    square += change[r] * change[r];
     greatest = std::max(greatest, std::fabs(change[r]) * b.B[r]);
   }
-  if (any) apply(b, change);
+  if (square > 0) {
+    apply(b, change);
+    const double moved = b.size * std::sqrt(square);
+    for (int s = 0; s < b.segments; ++s) moved_of(b, s) += moved;
+  }
   return greatest;
 }
 
-double VelocitySolver::sweep(const Island& island, bool forward) {
+/// Solves every block whose velocity may have changed by more than `least` since it was solved last. @return the greatest change
+double VelocitySolver::sweep(const Island& island, bool forward, double least) {
   double change = 0;
   for (int i = 0; i < island.blocks; ++i) {
     const int at = island.first_block + (forward ? i : island.blocks - 1 - i);
-    change = std::max(change, relax(blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(at)])]));
+    RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(at)])];
+    const double moved = b.segments == 2 ? moved_of(b, 0) + moved_of(b, 1) : moved_of(b, 0);
+    if ((moved - b.seen) * b.size <= least) continue;
+    b.seen = moved;
+    change = std::max(change, relax(b));
   }
   return change;
 }
@@ -334,7 +343,7 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
   bool newton_helps = true;
   double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
-    change = sweep(island, (sweeps & 1) != 0);
+    change = sweep(island, (sweeps & 1) != 0, crowded ? 0.25 * tolerance : 0);
     report.sweeps = std::max(report.sweeps, sweeps);
     if (change < tolerance || sweeps >= most) break;
     if (sweeps % round != 0 || !newton_helps) continue;
@@ -359,8 +368,11 @@ SolverReport VelocitySolver::solve(const SolverOptions& options) {
   constexpr double most_operations = 1e6;  // of Newton's method in one step
   budget_ = most_operations;
   softness_ = options.softness / (1 + options.softness);
+  std::ranges::fill(moved_, 0.0);
   for (RowBlock& b : blocks_) {
     if (b.kind == RowKind::contact) b.B[0] *= 1 + options.softness;
+    b.size = std::sqrt(b.rows == 3 ? std::max({b.B[0], b.B[1], b.B[2]}) : b.B[0]);
+    b.seen = -HUGE_VAL;
     if (b.rows == 3) invert(b.B, b.inverse);
     apply(b, p_.data() + b.row);
   }

@@ -47,6 +47,8 @@ struct RowBlock {
   std::uint64_t key;  ///< the same from step to step
   double B[6];        ///< Y Y^T: 00 11 22 01 02 12
   double inverse[6];  ///< its inverse (contact)
+  double size;        ///< root of the greatest of B's diagonal
+  double seen;        ///< what its systems had moved when it was solved last
 };
 
 struct SolverOptions {
@@ -103,7 +105,10 @@ class VelocitySolver {
   void velocities(const RowBlock& b, double* u) const;
   void apply(const RowBlock& b, const double* p);
   double relax(RowBlock& b);
-  double sweep(const Island& island, bool forward);
+  [[nodiscard]] double& moved_of(const RowBlock& b, int segment) {
+    return moved_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + segment)].system)];
+  }
+  double sweep(const Island& island, bool forward, double least);
   void find_islands();
   void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
 
@@ -126,6 +131,7 @@ class VelocitySolver {
   std::vector<double> rows_;
   std::vector<double> target_, p_;
   std::vector<double> w_;
+  std::vector<double> moved_;  // [systems] how far sweeps have changed w at most, summed up
   double softness_ = 0;  // part of B[0] of contacts
 
   // Islands
