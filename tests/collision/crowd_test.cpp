@@ -85,7 +85,8 @@ class AllPairs {
     const int count = options.between_systems ? static_cast<int>(crowd.systems.size()) : 0;
     for (int a = 0; a < count; ++a)
       for (int b = a + 1; b < count; ++b)
-        pairs_.push_back({a, b, Scene({crowd.systems[static_cast<std::size_t>(a)], crowd.systems[static_cast<std::size_t>(b)]}, {}, alone)});
+        pairs_.push_back(
+            {a, b, Scene({crowd.systems[static_cast<std::size_t>(a)], crowd.systems[static_cast<std::size_t>(b)]}, {}, alone)});
   }
   std::vector<Told> find(const Crowd& crowd, double margin, bool only_moved) {
     std::vector<Told> out;
@@ -97,7 +98,8 @@ class AllPairs {
         out.push_back(told(c, a < 0 ? c.system_a : a, a < 0 || c.system_b < 0 ? c.system_b : c.system_b == 0 ? a : b));
     };
     add(ground_, crowd.views, crowd.moved, -1, -1);
-    for (const auto& [s, scene] : self_) add(scene, {&crowd.views[static_cast<std::size_t>(s)], 1}, {&crowd.moved[static_cast<std::size_t>(s)], 1}, s, s);
+    for (const auto& [s, scene] : self_)
+      add(scene, {&crowd.views[static_cast<std::size_t>(s)], 1}, {&crowd.moved[static_cast<std::size_t>(s)], 1}, s, s);
     for (const auto& [a, b, scene] : pairs_) {
       const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
       const std::span<const Pose> X[2] = {crowd.views[i], crowd.views[k]};

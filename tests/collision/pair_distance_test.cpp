@@ -83,6 +83,30 @@ TEST(PairDistance, ClosedFormsAgreeWithGilbert) {
   EXPECT_GT(overlaps, 500);
 }
 
+/// Boxes, and capsules on boxes, that are turned against each other by next to nothing, side by side at every gap: the distance is
+/// certified by the direction to 1e-9 of the size, also from far away.
+TEST(PairDistance, ClosedFormsKeepTheirDigitsWhereFacesAreAllButParallel) {
+  test::Random random(31);
+  for (int i = 0; i < 40000; ++i) {
+    const Shape box = Shape::box({random.in(0.05, 0.5), random.in(0.05, 0.5), random.in(0.05, 0.5)});
+    Shape other = i % 3 == 0 ? Shape::capsule(random.in(0.01, 0.1), {0, 0, -0.2}, {0, 0, random.in(0, 0.3)})
+                             : Shape::box({random.in(0.05, 0.5), random.in(0.05, 0.5), random.in(0.05, 0.5)});
+    other.X_BS = {};
+    const double size = norm(box.half_extents) + 0.5;
+    const Pose X = random.pose(1);
+    Pose Y{rotation_about(random.unit(), std::pow(10, random.in(-9, -4))) * X.R, X.p};
+    const Vec3 d = random.below(4) == 0 ? random.unit() : X.R.column(random.below(3));
+    const double gap = random.below(4) == 0 ? 0 : random.below(20) == 0 ? 1000 : std::pow(10, random.in(-9, 0));
+    Y.p += any_perpendicular(d) * random.in(-0.3, 0.3);
+    Y.p += d * (gap + test::support(box, X, d) + test::support(other, Y, -d));
+    const PairDistance near = closed_form_distance(box, X, other, Y);
+    if (!(near.distance > 0)) continue;
+    EXPECT_LT(near.distance - test::separation(box, X, other, Y, near.n), 1e-9 * size) << i << " gap " << gap;
+    EXPECT_NEAR(norm(near.pa - near.pb), near.distance, 1e-12 * size + 1e-15 * gap) << i;
+    if (HasFailure()) return;
+  }
+}
+
 TEST(PairDistance, SurfacesAgreeWithTheirPartsNearAndFar) {
   test::Random random(7);
   const Boxes a = horseshoe(), b = jack(0.3);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "ugoki/contact/guarded_step.h"
 #include "ugoki/contact/swept_contacts.h"
 #include "world.h"
 
@@ -88,6 +89,71 @@ TEST(Swept, TwoFastBallsMeetAsInTheClosedForm) {
   EXPECT_NEAR(w.states[0].v[3], -100, 1e-9);
   EXPECT_NEAR(w.states[1].v[3], 250, 1e-9);
   EXPECT_NEAR(w.states[2].v[5], 400, 1e-9);
+}
+
+/// A blade of 1.3 m on a hinge at the origin, `thick` thin.
+MechanismPtr sword(double thick) {
+  MechanismSpec spec;
+  spec.name = "sword";
+  LinkSpec l;
+  l.name = "blade";
+  l.joint.type = JointType::revolute;
+  l.joint.axis = {0, 0, 1};
+  l.shapes.push_back(Shape::box({0.6, thick / 2, 0.02}, {Mat3::identity(), {0.7, 0, 0}}));
+  l.inertia = solid_inertia(l.shapes[0], 7800);
+  spec.links.push_back(l);
+  return Mechanism::make(std::move(spec)).value();
+}
+
+/// Also where it turns by more than a right angle in a step.
+TEST(Swept, ASwordDoesNotPassAPoleABallOrAPlate) {
+  for (const double speed : {5.0, 20.0, 60.0, 150.0}) {
+    for (const double dt : {1.0 / 60, 0.002}) {
+      for (const double angle : {0.7, 1.3, 2.3}) {
+        const Pose X{rotation_about({0, 0, 1}, angle), {0.9 * std::cos(angle), 0.9 * std::sin(angle), 0}};
+        for (const Shape& shape : {Shape::cylinder(0.004, 0.3, X), Shape::sphere(0.03, X), Shape::box({0.2, 0.002, 0.2}, X)}) {
+          MechanismSpec spec;
+          spec.name = "target";
+          LinkSpec l;
+          l.name = "target";
+          l.shapes.push_back(shape);
+          spec.links.push_back(l);
+          World w({sword(0.001), Mechanism::make(std::move(spec)).value()}, {-100, 0, 0}, {});
+          SweptContacts swept(w.scene);
+          w.states[0].v[0] = speed;
+          for (int k = 0; k < std::lround(2.5 / (speed * dt)) + 5; ++k) {
+            ASSERT_EQ(swept_step(w, swept, dt).status, StepStatus::ok);
+            ASSERT_LT(w.states[0].q[0], angle + 1e-3) << "speed " << speed << " dt " << dt << " step " << k;
+          }
+          EXPECT_GT(w.states[0].q[0], angle - 0.06) << "it should have come near";
+        }
+      }
+    }
+  }
+}
+
+/// The pole rolls along the blade at thousands of radians a second: its points at the end are nowhere near where they were.
+TEST(Swept, ABladePushesALightPoleThatRollsOnIt) {
+  World w({sword(0.004), body("pole", Shape::cylinder(0.004, 0.3), 1000)}, {-100, 0, 0}, {});
+  SweptContacts swept(w.scene);
+  GuardedStep guard(w.scene, w.stepper);
+  put(w.states[1], {0, 0.8, 0});
+  w.states[0].v[0] = 20;
+  double lowest = 0, fastest = 0;
+  for (int k = 0; k < 100; ++k) {
+    std::vector<collision::SystemMotion> motions;
+    for (std::size_t i = 0; i < 2; ++i) {
+      calc_poses(w.stepper.mechanism(static_cast<int>(i)), w.states[i].q, w.poses[i]);
+      motions.push_back({w.states[i].q, w.states[i].v});
+    }
+    collision::find_contacts(w.scene, w.spans, 0.02, w.workspace, w.contacts);
+    lowest = std::min(lowest, w.lowest());
+    swept.add(motions, w.spans, 0.002, 0.02, w.contacts);
+    ASSERT_EQ(guard.step(w.systems, w.contacts, 0.002).status, StepStatus::ok);
+    fastest = std::max(fastest, std::fabs(w.states[1].v[2]));
+  }
+  EXPECT_GT(fastest, 1000) << "it should roll";
+  EXPECT_GT(lowest, -2e-3);
 }
 
 }  // namespace

@@ -104,7 +104,8 @@ BoxPair nearest_on_edges(const Box& a, const Box& b, const Axes& axes, std::uint
 BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
   BoxPair out;
   out.distance = 1e300;
-  const double less = 1 - 1e-9;  // keep the first of equally near pairs
+  const double size = a.e.x + a.e.y + a.e.z + b.e.x + b.e.y + b.e.z;
+  const auto nearer = [&](double d) { return d < out.distance - 1e-9 * std::min(out.distance, size); };  // the first of equally near pairs
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     for (std::uint32_t c = 0; c < 4; ++c) {
@@ -113,7 +114,7 @@ BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
       corner[k] = (c & 2) != 0 ? a.e[k] : -a.e[k];
       const Round edge{a.X * corner, a.X.R.column(i), a.e[i], 0};
       const SegmentBox near = nearest_on_segment_and_box(in_box(edge, b.X), b.e);
-      if (near.distance < out.distance * less) {
+      if (nearer(near.distance)) {
         out = {edge.at(near.t), b.X * near.on_box, b.X.R * near.n, near.distance};
         feature = 16384U + static_cast<std::uint32_t>(i) * 4 + c;
       }
@@ -124,7 +125,7 @@ BoxPair nearest_apart(const Box& a, const Box& b, std::uint32_t& feature) {
     const Vec3 local = transpose_times(a.X.R, corner - a.X.p);
     const Vec3 on_a = clamp_to(local, a.e);
     const double d = norm(local - on_a);
-    if (d < out.distance * less) {
+    if (nearer(d)) {
       out = {a.X * on_a, corner, a.X.R * normalized(on_a - local), d};
       feature = 16384U + 32 + c;
     }

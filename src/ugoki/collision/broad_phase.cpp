@@ -24,8 +24,7 @@ void BroadPhase::begin(const Scene& scene) {
   for (int s = 0; s < systems; ++s) covered_.push_back(covers(scene, s) ? 1 : 0);
   // What nothing moves is a group of its own, whose shapes do not count among each other.
   std::vector<TreeBody> bodies;
-  for (const SceneShape& s : scene.shapes())
-    bodies.push_back({{}, {s.bound, s.bound, s.bound}, s.bound, s.movable ? s.system : systems});
+  for (const SceneShape& s : scene.shapes()) bodies.push_back({{}, {s.bound, s.bound, s.bound}, s.bound, s.movable ? s.system : systems});
   tree_ = SuperiorTree(bodies);
   PairFilter filter;
   filter.inside_group = covered_;

@@ -180,8 +180,9 @@ struct Search {
       const auto a = static_cast<std::size_t>(p.a), b = static_cast<std::size_t>(p.b);
       const int of_a = system(p.a), of_b = system(p.b);
       if ((is_still(of_a) && is_still(of_b)) || !bounds_near(a, b)) continue;
-      if (of_a != of_b ? scene.options().between_systems && near(a, of_b)
-                       : BroadPhase::covers(scene, of_a) && std::ranges::binary_search(scene.self_pairs(of_a), std::pair(p.a, p.b), {}, first))
+      if (of_a != of_b
+              ? scene.options().between_systems && near(a, of_b)
+              : BroadPhase::covers(scene, of_a) && std::ranges::binary_search(scene.self_pairs(of_a), std::pair(p.a, p.b), {}, first))
         work.near.push_back({p.a, p.b});
     }
     const auto before = [&](const ShapePair& p, const ShapePair& q) {

@@ -26,6 +26,24 @@ BoxPair nearest_round_box(const Round& round, const Box& box) {
   return out;
 }
 
+Support core_of(const Shape& s) {
+  if (s.type == ShapeType::box) return Support::box(s.half_extents);
+  return s.type == ShapeType::capsule ? Support::capsule(s.radius, s.half_length) : Support::sphere(s.radius);
+}
+
+/// Edges that are all but parallel, and all but touch, leave closed forms with few digits: the certificate tells, and Gilbert's method
+/// finds them again.
+void certify(const Shape& a, const Pose& X_WS, const Shape& b, const Pose& X_WT, PairDistance& d) {
+  const Support sa = core_of(a), sb = core_of(b);
+  const Vec3 low = X_WS * find_support(sa, transpose_times(X_WS.R, -d.n)).p, high = X_WT * find_support(sb, transpose_times(X_WT.R, d.n)).p;
+  const double sizes = bounding_radius(sa) + bounding_radius(sb), lower = dot(d.n, low - high) - sa.radius - sb.radius;
+  if (!(d.distance - lower > 2e-10 * sizes + 4e-15 * norm(X_WS.p - X_WT.p))) return;
+  GilbertCache cache;
+  const GilbertResult g = gilbert_distance(sa, X_WS, sb, X_WT, cache);
+  if (g.status == GilbertStatus::separated && g.distance - g.lower < d.distance - lower)
+    d = {g.distance, std::min(g.lower, g.distance), g.pa, g.pb, g.n, true, DistanceMethod::gilbert};
+}
+
 PairDistance unknown() {
   PairDistance out;
   out.distance = infinity;
@@ -105,7 +123,9 @@ PairDistance closed_form_distance(const Shape& a, const Pose& X_WS, const Shape&
     const RoundPair round = round_pair_at(ra, rb, near.s, near.t, near.sin2);
     pair = {round.pa, round.pb, round.n, round.distance};
   }
-  return {pair.distance, pair.distance, pair.pa, pair.pb, pair.n, true, DistanceMethod::closed_form};
+  PairDistance out{pair.distance, pair.distance, pair.pa, pair.pb, pair.n, true, DistanceMethod::closed_form};
+  if ((box_a || box_b) && out.distance > 0) certify(a, X_WS, b, X_WT, out);
+  return out;
 }
 
 PairDistance find_pair_distance(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double enough, PairCache& cache,

@@ -6,7 +6,8 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr double tied = 1e-9;  // approaches that differ by less, relatively, are simultaneous
+constexpr double held = 1e-12;  // of the answer to an impulse without the loops: less is rounding
+constexpr double tied = 1e-9;   // approaches that differ by less, relatively, are simultaneous
 
 bool same_pair(const collision::ContactPoint& a, const collision::ContactPoint& b) {
   return a.system_a == b.system_a && a.link_a == b.link_a && a.system_b == b.system_b && a.link_b == b.link_b;
@@ -93,6 +94,7 @@ bool CollisionImpulse::make_jump(std::span<const LinkSystem> systems, Row& row, 
     const std::span<double> jump(jumps_.data() + side.row, freedoms(s));
     std::copy_n(rows_.data() + side.row, jump.size(), jump.data());
     dynamics::solve(*s.workspace, jump);
+    row.open += product(rows_.data() + side.row, jump.data(), jump.size());
     if (!s.loops) continue;
     dynamics::project_velocity(*s.mechanism, *s.workspace, *s.loops, jump);
     // (13) (14) with M MJ: the same as r^T J along the loops, and right to rounding where these are nearly singular
@@ -102,12 +104,13 @@ bool CollisionImpulse::make_jump(std::span<const LinkSystem> systems, Row& row, 
   return true;
 }
 
-void CollisionImpulse::update_velocity(std::span<const LinkSystem> systems, Row& row) const {
+/// @param plain as the two points move; otherwise what of it the loops allow
+void CollisionImpulse::update_velocity(std::span<const LinkSystem> systems, Row& row, bool plain) const {
   row.u = 0;
   for (const Side& side : row.sides) {
     if (side.system < 0) continue;
     const LinkSystem& s = systems[static_cast<std::size_t>(side.system)];
-    row.u += product(rows_.data() + side.row, s.v.data(), freedoms(s));
+    row.u += product((plain ? plain_ : rows_).data() + side.row, s.v.data(), freedoms(s));
   }
 }
 
@@ -220,6 +223,8 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
   const auto takes_part = [&](const Row& r) {
     return r.u < 0 && (options.reach == 0 || contacts[static_cast<std::size_t>(r.contact)].distance + options.reach * r.u <= 0);
   };
+  if (plastic)  // what the rounding of loops' velocities leaves counts as well
+    for (Row& r : list_) update_velocity(systems, r, true);
   double fastest = 0;
   for (const Row& r : list_)
     if ((plastic || (r.e > 0 && -r.u > options.least_speed)) && takes_part(r)) fastest = std::max(fastest, -r.u);
@@ -238,9 +243,14 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
     });
     if (joins) group_.push_back(static_cast<int>(i));
   }
-  const std::size_t n = group_.size();
   for (const int i : group_)
     if (!make_jump(systems, list_[static_cast<std::size_t>(i)], report)) return false;
+  std::erase_if(group_, [&](int i) {  // nothing that the loops allow moves the contact
+    const Row& r = list_[static_cast<std::size_t>(i)];
+    return coupling(systems, r, r) <= held * r.open;
+  });
+  const std::size_t n = group_.size();
+  if (n == 0) return false;
   A_.resize(n * n);
   b_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -259,7 +269,7 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
       for (std::size_t k = 0; k < freedoms(s); ++k) s.v[k] += jumps_[static_cast<std::size_t>(side.row) + k] * p_[i];
     }
   }
-  for (Row& r : list_) update_velocity(systems, r);
+  for (Row& r : list_) update_velocity(systems, r, plastic);
   ++report.collisions;
   return true;
 }
@@ -277,11 +287,12 @@ ImpactReport CollisionImpulse::collide(std::span<const LinkSystem> systems, std:
     if (add_row(systems, contacts[i], static_cast<int>(i))) rounding_ = std::max(rounding_, std::fabs(list_.back().u));
   }
   rounding_ *= 1e-13;
+  plain_ = rows_;
   for (Row& r : list_) {
     const auto closed = [&](const Side& side) { return side.system >= 0 && systems[static_cast<std::size_t>(side.system)].loops; };
     if (!std::ranges::any_of(r.sides, closed)) continue;
     if (!make_jump(systems, r, report)) return report;
-    update_velocity(systems, r);
+    update_velocity(systems, r, false);
   }
   const std::size_t limit = 1000 + 100 * list_.size();
   while (collide_group(systems, contacts, options, false, report)) {

@@ -71,19 +71,21 @@ class CollisionImpulse {
     int contact = 0;
     Side sides[2];
     bool has_jump = false;
-    double u = 0;  // m/s, now
+    double u = 0;     // m/s, now
+    double open = 0;  // 1/kg: a of the same systems without their loops
     double e = 0;
   };
   bool add_row(std::span<const LinkSystem> systems, const collision::ContactPoint& c, int index);
   bool make_jump(std::span<const LinkSystem> systems, Row& row, ImpactReport& report);
-  void update_velocity(std::span<const LinkSystem> systems, Row& row) const;
+  void update_velocity(std::span<const LinkSystem> systems, Row& row, bool plain) const;
   double coupling(std::span<const LinkSystem> systems, const Row& a, const Row& b) const;
   bool collide_group(std::span<const LinkSystem> systems, std::span<const collision::ContactPoint> contacts, const ImpactOptions& options,
                      bool plastic, ImpactReport& report);
   void solve_nonnegative(std::size_t n);
 
   std::vector<Row> list_;
-  std::vector<double> rows_;    // r^T J of each side
+  std::vector<double> rows_;    // r^T J of each side; M MJ, which is the same along the loops, once its jump is known
+  std::vector<double> plain_;   // r^T J as it is
   std::vector<double> jumps_;   // MJ of each side
   std::vector<char> factored_;  // [systems]
   std::vector<double> impulses_;

@@ -9,7 +9,31 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000;  // of keys; find_contacts makes smaller ones for few
+/// Where a point of a shape's surface at the end is at the beginning. Round shapes touch at the same place however they spin.
+Vec3 carry_back(const Shape& shape, const Pose& now, const Pose& end, const Vec3& p) {
+  const Pose X_now = now * shape.X_BS, X_end = end * shape.X_BS;
+  const Vec3 arm = p - X_end.p;
+  switch (shape.type) {
+    case ShapeType::sphere: return X_now.p + arm;
+    case ShapeType::capsule:
+    case ShapeType::cylinder: return X_now.p + to_matrix(rotation_between(X_end.R.column(2), X_now.R.column(2))) * arm;
+    default: break;
+  }
+  return now * (end.inverse() * p);
+}
+
+/// How far it turns: |R' - R|.
+double turn_between(const Mat3& R, const Mat3& T) {
+  double square = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 d = T.column(k) - R.column(k);
+    square += dot(d, d);
+  }
+  return std::sqrt(square);
+}
+
+constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000,
+                        shape_mask = (1U << 20) - 1;  // of keys; find_contacts makes smaller ones for few
 
 }  // namespace
 
@@ -43,13 +67,8 @@ void GuardedStep::move(std::span<const StepSystem> systems) {
     calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
     double way = 0;
     for (std::size_t i = 0; i < end_[s].size(); ++i, ++size) {
-      const Mat3 &R = begin[i].R, &T = end_[s][i].R;
-      double turn = 0;
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 d = T.column(k) - R.column(k);
-        turn += dot(d, d);
-      }
-      way = std::max(way, norm(end_[s][i].p - begin[i].p) + std::sqrt(0.5 * turn) * *size);
+      constexpr double root_half = 0.7071067811865476;
+      way = std::max(way, norm(end_[s][i].p - begin[i].p) + root_half * turn_between(begin[i].R, end_[s][i].R) * *size);
     }
     moved_[s] = way > options_.depth ? 1 : 0;
   }
@@ -69,20 +88,25 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
     depth_ = std::max(depth_, -c.distance);
     if (passes_ == options_.passes) continue;
     const double gap = c.distance;
-    Vec3 now[2] = {c.p, c.p};  // where the two points are at the beginning
-    double u = 0;
+    // The point is taken where it is on the body that turns more: there an error of its place costs most.
+    const Vec3 there = c.p;
+    double u = 0, turned = -1;
     for (int side = 0; side < 2; ++side) {
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
       if (at < 0) continue;
       const auto l = static_cast<std::size_t>(link);
-      now[side] = stepper_->workspace(at).X_WB[l] * (end_[static_cast<std::size_t>(at)][l].inverse() * c.p);
+      const Pose &now = stepper_->workspace(at).X_WB[l], &end = end_[static_cast<std::size_t>(at)][l];
+      const double turn = turn_between(now.R, end.R);
+      if (turn <= turned) continue;
+      turned = turn;
+      c.p = carry_back(scene_->shapes()[static_cast<std::size_t>(c.key >> (side == 0 ? 44 : 24)) & shape_mask].shape, now, end, there);
     }
-    c.p = c.system_b < 0 ? now[0] : (now[0] + now[1]) * 0.5;
     for (int side = 0; side < 2; ++side) {
       const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
       if (at >= 0) u += (side == 0 ? 1 : -1) * dot(c.n, stepper_->velocity_after(at, link, c.p));
     }
-    c.distance = gap - before - dt * u;
+    // Where the points part to first order, and still end up deeper, they must part faster; never by a leap.
+    c.distance = std::max(gap - before - dt * u, -dt * (std::max(u, 0.0) + stepper_->options().recovery_speed));
     c.key = (c.key & ~feature_mask) | (first_feature + contacts_.size());
     contacts_.push_back(c);
     added = true;

@@ -4,7 +4,8 @@
 // The stepper keeps every contact that it is given apart, to first order: by its normal and place at the beginning. A body that lands
 // on another feature than the nearest, or that turns or slides a good part of its size within the step, can still end inside
 // another. Collision analysis of the end finds that, with the gap g < 0 and the normal n of the end. With v the velocities of this pass
-// and g0 <= 0 the pair's gap at the beginning, the next pass asks of the same two points, at their places at the beginning,
+// and g0 <= 0 the pair's gap at the beginning, the next pass asks of the point of contact, at its place at the beginning on the body that
+// turns more,
 //   u(v') >= u(v) - (g - g0) / dt,   u = n . (velocity of a - velocity of b)
 // which is Newton's method on the gap at the end. Nothing is moved afterwards: velocities stay those that positions follow.
 // Source: Anitescu, Potra (1997) for steps with linearised gaps; Stewart (1998) for what their linearisation leaves.

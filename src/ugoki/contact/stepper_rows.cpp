@@ -103,8 +103,7 @@ void Stepper::add_contact(int index, const collision::ContactPoint& c, double dt
     }
     finish_side(s, last, 3, row);
   }
-  const double push = certain ? -gap / dt : -gap / options_.recovery_time;
-  const double wanted = gap > 0 ? -gap / dt : std::min(push, options_.recovery_speed);
+  const double wanted = gap > 0 || certain ? -gap / dt : std::min(-gap / options_.recovery_time, options_.recovery_speed);
   const double target[3] = {free_n - wanted, dot(t1, free), dot(t2, free)};
   const Warm* warm = warm_.find(c.key);
   solver_.end_block(target, warm ? std::span<const double>(warm->p) : std::span<const double>());
@@ -121,6 +120,7 @@ void Stepper::add_rolling(const collision::ContactPoint& c) {
   RowBlock& block = solver_.begin_block(RowKind::roll, roll_key | c.key);
   block.leader = leader;
   block.mu = options_.rolling * lever;
+  block.lever = lever;
   Vec3 spin;
   for (int side = 0; side < 2; ++side) {
     const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;

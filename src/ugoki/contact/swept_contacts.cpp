@@ -7,7 +7,7 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr std::uint64_t ground_index = (1U << 20) - 1, feature = (1U << 24) - 1;  // as find_contacts makes its keys
+constexpr std::uint64_t ground_index = (1U << 20) - 1, first_feature = 0xffff00;  // as find_contacts makes its keys
 
 }  // namespace
 
@@ -22,6 +22,41 @@ SweptContacts::SweptContacts(const collision::Scene& scene) : scene_(&scene), se
   still_.resize(nv);
   X_.resize(links);
   motions_.reserve(scene.systems().size());
+  kinematics_.resize(scene.systems().size());
+}
+
+SweptContacts::Side SweptContacts::side_at(int system, int link, std::span<const std::span<const Pose>> X_WB, double time) {
+  Side out;
+  if (system < 0) return out;
+  const auto s = static_cast<std::size_t>(system);
+  const Mechanism& m = *scene_->systems()[s];
+  const collision::SystemMotion& motion = motions_[s];
+  out.system = system;
+  out.link = link;
+  const std::span<double> q(q_.data(), motion.q.size());
+  const std::span<Pose> X(X_.data(), m.links().size());
+  integrate(m, motion.q, motion.v, time, q);
+  calc_poses(m, q, X);
+  out.now = X_WB[s][static_cast<std::size_t>(link)];
+  out.then = X[static_cast<std::size_t>(link)];
+  if (!kinematics_[s]) kinematics_[s] = std::make_unique<dynamics::Workspace>(m);
+  dynamics::update_kinematics(m, motion.q, motion.v, *kinematics_[s]);
+  return out;
+}
+
+/// The contact points at the impact: all of a blade that meets a plate flat, and at least the one that was found.
+void SweptContacts::find_points(const collision::SceneImpact& impact, const Side& a, const Side& b, double margin) {
+  const collision::SceneShape& shape_a = scene_->shapes()[static_cast<std::size_t>(impact.shape_a)];
+  const Pose X_a = a.then * shape_a.shape.X_BS;
+  if (impact.shape_b < 0) {
+    std::int32_t hint = 0;
+    collision::find_ground_manifold(shape_a, X_a, scene_->ground().height, margin, hint, work_, points_);
+  } else {
+    const collision::SceneShape& shape_b = scene_->shapes()[static_cast<std::size_t>(impact.shape_b)];
+    collision::GilbertCache cache;
+    collision::find_manifold(shape_a, X_a, shape_b, b.then * shape_b.shape.X_BS, margin, cache, work_, points_);
+  }
+  if (points_.count == 0) points_.add(impact.contact.p, impact.contact.n, impact.contact.distance, 0);
 }
 
 int SweptContacts::add(std::span<const collision::SystemMotion> systems, std::span<const std::span<const Pose>> X_WB, double dt,
@@ -33,25 +68,24 @@ int SweptContacts::add(std::span<const collision::SystemMotion> systems, std::sp
     const collision::SceneImpact impact = search_.find(motions_, dt, 0.5 * margin);
     if (impact.status != collision::ImpactStatus::impact && impact.status != collision::ImpactStatus::not_converged) break;
     collision::ContactPoint c = impact.contact;
-    Vec3 now[2] = {c.p, c.p};  // where the points that will meet are at the beginning
-    double way[2] = {0, 0};
-    for (int side = 0; side < 2; ++side) {
-      const int at = side == 0 ? c.system_a : c.system_b, link = side == 0 ? c.link_a : c.link_b;
-      if (at < 0) continue;
-      const auto s = static_cast<std::size_t>(at);
-      const Mechanism& m = *scene_->systems()[s];
-      const std::span<double> q(q_.data(), motions_[s].q.size());
-      const std::span<Pose> X(X_.data(), m.links().size());
-      integrate(m, motions_[s].q, motions_[s].v, impact.time, q);
-      calc_poses(m, q, X);
-      now[side] = X_WB[s][static_cast<std::size_t>(link)] * (X[static_cast<std::size_t>(link)].inverse() * c.p);
-      way[side] = norm(c.p - now[side]);
+    const Side a = side_at(c.system_a, c.link_a, X_WB, impact.time), b = side_at(c.system_b, c.link_b, X_WB, impact.time);
+    find_points(impact, a, b, 0.5 * margin);
+    const std::uint64_t shape_b = impact.shape_b < 0 ? ground_index : static_cast<std::uint64_t>(impact.shape_b);
+    const auto velocity = [&](const Side& side, const Vec3& p) {
+      return side.system < 0 ? Vec3{} : dynamics::point_velocity(*kinematics_[static_cast<std::size_t>(side.system)], side.link, p);
+    };
+    for (int i = 0; i < points_.count; ++i) {
+      const collision::ManifoldPoint& point = points_.points[static_cast<std::size_t>(i)];
+      const Vec3 on_a = a.back(point.p), on_b = b.back(point.p);
+      const bool by_a = norm(point.p - on_a) >= norm(point.p - on_b);
+      c.p = by_a ? on_a : on_b;
+      c.n = point.n;
+      const Vec3 v = velocity(a, c.p) - velocity(b, c.p);
+      if (dot(c.n, v) > -0.5 * norm(v)) c.n = by_a ? a.back_with(point.n) : b.back_with(point.n);  // it turns far within the step
+      c.distance = std::max(point.distance - impact.time * dot(c.n, v), 0.0);
+      c.key = (static_cast<std::uint64_t>(impact.shape_a) << 44) | (shape_b << 24) | (first_feature + static_cast<std::uint64_t>(i));
+      contacts.push_back(c);
     }
-    c.distance = std::max(dot(c.n, now[0] - now[1]), 0.0);
-    c.p = way[0] >= way[1] ? now[0] : now[1];
-    const std::uint64_t b = impact.shape_b < 0 ? ground_index : static_cast<std::uint64_t>(impact.shape_b);
-    c.key = (static_cast<std::uint64_t>(impact.shape_a) << 44) | (b << 24) | feature;
-    contacts.push_back(c);
     ++added;
     // The next impact is that of others.
     bool moved = false;

@@ -1,6 +1,7 @@
 // Newton's method on an island's velocities: for fixed p^,
 //   F(w) = w - sum Y^T p(u(w)) = 0,   p = the law's projection of p^ - u / R   (augmented Lagrangian, p^ = the last impulses)
 // where R, a small part of each block's own inverse inertia, only sets how fast p^ converges: at the solution p = p^ it drops out.
+// In a part of an island w is less what the impulses of the other blocks, which are held, have made of it.
 // H = 1 + sum Y^T G Y with G = -dp/du, the coupling of a sliding contact's friction to its normal impulse left out, so that H is
 // symmetric and positive.
 
@@ -53,9 +54,10 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
     neighbours_[static_cast<std::size_t>(--neighbour_first_[static_cast<std::size_t>(x)])] = y;
     neighbours_[static_cast<std::size_t>(--neighbour_first_[static_cast<std::size_t>(y)])] = x;
   }
-  const auto search = [&](int from) {
-    for (const int s : members) local_[static_cast<std::size_t>(s)] = -1;
-    std::size_t head = 0, tail = 0;
+  for (const int s : members) local_[static_cast<std::size_t>(s)] = -1;
+  // Appends all that hang together with `from` to queue_. @return its end
+  const auto search = [&](int from, std::size_t head) {
+    std::size_t tail = head;
     queue_[tail++] = from;
     local_[static_cast<std::size_t>(from)] = 0;
     while (head < tail) {
@@ -67,9 +69,15 @@ bool VelocitySolver::order_systems(const Island& island, int steps) {
         queue_[tail++] = next;
       }
     }
-    return queue_[tail - 1];
+    return tail;
   };
-  search(search(members[0]));
+  std::size_t ordered = 0;
+  for (const int s : members) {  // one round, unless only a part of an island is taken
+    if (local_[static_cast<std::size_t>(s)] >= 0) continue;
+    const std::size_t end = search(s, ordered);
+    for (std::size_t k = ordered; k < end; ++k) local_[static_cast<std::size_t>(queue_[k])] = -1;
+    ordered = search(queue_[end - 1], ordered);
+  }
   int n = 0;
   for (std::size_t k = 0; k < members.size(); ++k) {
     const auto s = static_cast<std::size_t>(queue_[k]);
@@ -243,7 +251,8 @@ double VelocitySolver::assemble(const Island& island) {
   for (int k = 0; k < island.systems; ++k) {
     const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
     for (int e = first_[s]; e < first_[s + 1]; ++e)
-      F_[static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e)] = w_[static_cast<std::size_t>(e)];
+      F_[static_cast<std::size_t>(local_[s] + first_[s + 1] - 1 - e)] =
+          w_[static_cast<std::size_t>(e)] - base_[static_cast<std::size_t>(e)];
   }
   double merit = 0;
   for (const double w : F_) merit += 0.5 * w * w;
@@ -275,17 +284,30 @@ void VelocitySolver::assemble_matrix(const Island& island) {
   }
 }
 
-/// w from the impulses; the next sweep solves every block.
+/// w from the impulses; the next sweep solves every block of the island.
 void VelocitySolver::recompute_w(const Island& island) {
-  for (int k = 0; k < island.systems; ++k) {
-    const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
-    std::fill(w_.begin() + first_[s], w_.begin() + first_[s + 1], 0.0);
-  }
+  const auto each_system = [&](auto&& visit) {
+    for (int k = 0; k < island.systems; ++k) {
+      const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
+      visit(s, static_cast<std::size_t>(first_[s]), static_cast<std::size_t>(first_[s + 1]));
+    }
+  };
+  each_system([&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) {
+      scratch_w_[e] = w_[e];
+      w_[e] = base_[e];
+    }
+  });
   for (int i = 0; i < island.blocks; ++i) {
     RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
     apply(b, p_.data() + b.row);
     b.seen = -HUGE_VAL;
   }
+  each_system([&](std::size_t s, std::size_t begin, std::size_t end) {
+    double square = 0;
+    for (std::size_t e = begin; e < end; ++e) square += (w_[e] - scratch_w_[e]) * (w_[e] - scratch_w_[e]);
+    moved_[s] += std::sqrt(square);
+  });
 }
 
 /// step_ = H^-1 F; H becomes its factor, with inverted diagonal.
@@ -349,9 +371,23 @@ int VelocitySolver::minimise(const Island& island) {
   return limit;
 }
 
-/// Improves p and w. @param change of velocities in the last sweep
+/// Improves p and w. @param change of velocities in the last sweep; @param part blocks outside act on the island's systems
 /// @return steps taken. Where they did not lead anywhere better, p and w are as before
-int VelocitySolver::newton(const Island& island, double change, double tolerance) {
+int VelocitySolver::newton(const Island& island, bool part, double change, double tolerance) {
+  for (int k = 0; k < island.systems; ++k) {
+    const auto s = static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)]);
+    for (auto e = static_cast<std::size_t>(first_[s]); e < static_cast<std::size_t>(first_[s + 1]); ++e) base_[e] = part ? w_[e] : 0;
+  }
+  for (int i = 0; part && i < island.blocks; ++i) {
+    const RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+    const double* p = p_.data() + b.row;
+    for (int k = 0; k < b.segments; ++k) {
+      const RowSegment& x = segments_[static_cast<std::size_t>(b.first_segment + k)];
+      const double* y = rows_.data() + x.offset;
+      for (int r = 0; r < b.rows; ++r, y += x.length)
+        for (int e = 0; e < x.length; ++e) base_[static_cast<std::size_t>(x.first + (x.index ? x.index[e] : e))] -= y[e] * p[r];
+    }
+  }
   old_p_ = p_;
   int steps = 0;
   part_ = first_part;
@@ -372,6 +408,41 @@ int VelocitySolver::newton(const Island& island, double change, double tolerance
   if (sweep(island, true, 0) < change) return steps;
   p_ = old_p_;
   recompute_w(island);
+  return steps;
+}
+
+/// Newton's method for the systems that the last sweep left wrong (a body that is wedged in), everything else held: where the
+/// whole island would cost too much. @return steps taken
+int VelocitySolver::newton_on_part(const Island& island, double tolerance) {
+  const auto block = [&](int i) -> const RowBlock& {
+    return blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + i)])];
+  };
+  const auto inside = [&](const RowBlock& b, int k) -> char& {
+    return in_part_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + k)].system)];
+  };
+  double change = 0;
+  for (int i = 0; i < island.blocks; ++i) {
+    if (block(i).change < tolerance) continue;
+    change = std::max(change, block(i).change);
+    for (int k = 0; k < block(i).segments; ++k) inside(block(i), k) = 1;
+  }
+  Island part{static_cast<int>(order_.size()), 0, static_cast<int>(members_.size()), 0};
+  for (int i = 0; i < island.blocks; ++i) {
+    const RowBlock& b = block(i);
+    if (inside(b, 0) == 0 || inside(b, b.segments - 1) == 0) continue;
+    order_.push_back(order_[static_cast<std::size_t>(island.first_block + i)]);
+    ++part.blocks;
+  }
+  for (int k = 0; k < island.systems; ++k) {
+    const int s = members_[static_cast<std::size_t>(island.first_system + k)];
+    if (in_part_[static_cast<std::size_t>(s)] == 0) continue;
+    in_part_[static_cast<std::size_t>(s)] = 0;
+    members_.push_back(s);
+    ++part.systems;
+  }
+  const int steps = part.systems > 0 && order_systems(part, 1) ? newton(part, true, change, tolerance) : 0;
+  order_.resize(static_cast<std::size_t>(part.first_block));
+  members_.resize(static_cast<std::size_t>(part.first_system));
   return steps;
 }
 

@@ -91,6 +91,9 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   const std::size_t systems = first.size() - 1;
   w_.assign(static_cast<std::size_t>(first.back()), 0.0);
   moved_.assign(systems, 0.0);
+  base_.assign(w_.size(), 0.0);
+  scratch_w_.assign(w_.size(), 0.0);
+  in_part_.assign(systems, 0);
   for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
   neighbour_first_.resize(systems + 2);
   // Room for what usually comes: a dozen contacts for each system.
@@ -98,7 +101,8 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   blocks_.reserve(blocks);
   segments_.reserve(2 * blocks);
   rows_.reserve(18 * 2 * blocks);
-  order_.reserve(blocks);
+  order_.reserve(2 * blocks);
+  members_.reserve(2 * systems + 1);
   islands_.reserve(systems);
   neighbours_.reserve(2 * blocks);
   for (std::vector<double>* v : {&target_, &p_, &old_p_, &hat_, &lag_}) v->reserve(3 * blocks);
@@ -125,6 +129,7 @@ RowBlock& VelocitySolver::begin_block(RowKind kind, std::uint64_t key) {
   b.row = static_cast<int>(target_.size());
   b.first_segment = static_cast<int>(segments_.size());
   b.contact = -1;
+  b.lever = 1;
   b.key = key;
   return b;
 }
@@ -265,7 +270,7 @@ double VelocitySolver::relax(RowBlock& b) {
     const double moved = b.size * std::sqrt(square);
     for (int s = 0; s < b.segments; ++s) moved_of(b, s) += moved;
   }
-  return greatest;
+  return greatest * b.lever;
 }
 
 /// Solves every block whose velocity may have changed by more than `least` since it was solved last. @return the greatest change
@@ -275,9 +280,11 @@ double VelocitySolver::sweep(const Island& island, bool forward, double least) {
     const int at = island.first_block + (forward ? i : island.blocks - 1 - i);
     RowBlock& b = blocks_[static_cast<std::size_t>(order_[static_cast<std::size_t>(at)])];
     const double moved = b.segments == 2 ? moved_of(b, 0) + moved_of(b, 1) : moved_of(b, 0);
-    if ((moved - b.seen) * b.size <= least) continue;
+    b.change = 0;
+    if ((moved - b.seen) * b.size * b.lever <= least) continue;
     b.seen = moved;
-    change = std::max(change, relax(b));
+    b.change = relax(b);
+    change = std::max(change, b.change);
   }
   return change;
 }
@@ -343,21 +350,22 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
   bool newton_helps = true;
   double change = 0, before = HUGE_VAL;
   for (int sweeps = 1;; ++sweeps) {
-    change = sweep(island, (sweeps & 1) != 0, crowded ? 0.25 * tolerance : 0);
+    change = sweep(island, (sweeps & 1) != 0, crowded ? 0.01 * tolerance : 0);
     report.sweeps = std::max(report.sweeps, sweeps);
     if (change < tolerance || sweeps >= most) break;
-    if (sweeps % round != 0 || !newton_helps) continue;
+    if (sweeps % round != 0) continue;
     // At the present rate, is it done in a few more rounds?
     const double rate = change / before;
     double then = change;
     before = change;
     for (int k = 0; k < most_rounds && then >= tolerance; ++k) then *= rate;
     if (sweeps == round || then < tolerance) continue;
-    newton_helps = order_systems(island, crowded ? 16 : 1);
+    newton_helps = newton_helps && order_systems(island, crowded ? 16 : 1);
     if (newton_helps) {
-      report.newton_steps += newton(island, change, tolerance);
+      report.newton_steps += newton(island, false, change, tolerance);
     } else {
       tolerance = std::max(tolerance, 0.2 * options.coarse);
+      report.newton_steps += newton_on_part(island, tolerance);
     }
   }
   report.residual = std::max(report.residual, change);

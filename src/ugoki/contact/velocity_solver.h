@@ -42,13 +42,15 @@ struct RowBlock {
   int contact;        ///< index into the step's contacts; -1: none
   int leader;         ///< roll: block of its contact
   double mu;          ///< Coulomb coefficient; roll: lever of rolling resistance [m]
-  double bound;       ///< N s | N m s (friction); roll: unused
+  double bound;       ///< N s | N m s (friction)
   double struck;      ///< N s: normal impulse that the impact has already given (contact)
   std::uint64_t key;  ///< the same from step to step
   double B[6];        ///< Y Y^T: 00 11 22 01 02 12
   double inverse[6];  ///< its inverse (contact)
   double size;        ///< root of the greatest of B's diagonal
+  double lever;       ///< m: radius of what rolls, which makes its velocities those of its surface; 1 for the others
   double seen;        ///< what its systems had moved when it was solved last
+  double change;      ///< m/s: of its velocity in the last sweep
 };
 
 struct SolverOptions {
@@ -113,9 +115,10 @@ class VelocitySolver {
   void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
 
   // Newton's method, in velocity_newton.cpp
+  int newton_on_part(const Island& island, double tolerance);
   bool order_systems(const Island& island, int steps);
   [[nodiscard]] int place(const RowSegment& x, int e) const;
-  int newton(const Island& island, double change, double tolerance);
+  int newton(const Island& island, bool part, double change, double tolerance);
   void fix_law(const Island& island);
   int minimise(const Island& island);
   void solve_newton();
@@ -132,7 +135,7 @@ class VelocitySolver {
   std::vector<double> target_, p_;
   std::vector<double> w_;
   std::vector<double> moved_;  // [systems] how far sweeps have changed w at most, summed up
-  double softness_ = 0;  // part of B[0] of contacts
+  double softness_ = 0;        // part of B[0] of contacts
 
   // Islands
   std::vector<int> root_;     // [systems] union-find
@@ -151,6 +154,9 @@ class VelocitySolver {
   std::vector<double> H_;           // envelope, row by row
   std::vector<double> G_;           // [blocks of the island * 9] -dp/du, row by row
   std::vector<double> F_, step_, old_w_, old_p_, hat_, lag_;
+  std::vector<double> base_;  // as w: what other blocks' impulses are of it
+  std::vector<double> scratch_w_;
+  std::vector<char> in_part_;  // [systems]
   std::vector<int> neighbour_first_, neighbours_, queue_;
 };
 

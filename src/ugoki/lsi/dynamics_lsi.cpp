@@ -193,7 +193,8 @@ void add_dynamics(circuit::Library& library) {
   c.name = "dynamics";
   c.doc =
       "General-purpose dynamics: moves every character on by one step under torques, gravity, contact, friction, joint limits, pushes and "
-      "pulls. Where bodies would end a step deeper in each other than 0.4 mm, the step is taken again with contacts against that.";
+      "pulls. Where bodies would end a step deeper in each other than 0.4 mm, the step is taken again with contacts against that. "
+      "With more than 256 contacts and limits at once these are kept to 0.1 mm a step, otherwise to rounding.";
   c.inputs = {
       input_pin("state", PinTypeId::state, "", "Positions and velocities now."),
       input_pin("contacts", PinTypeId::contacts, "", "Contact points now."), input_pin("events", PinTypeId::event, "", "Pushes and pulls."),
