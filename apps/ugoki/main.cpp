@@ -1,5 +1,8 @@
 // The command line: one verb a file.
 
+#include <new>
+
+#include "output.h"
 #include "verb.h"
 
 int main(int argc, char** argv) {
@@ -27,5 +30,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  return action ? action() : 2;
+  try {
+    return action ? action() : 2;
+  } catch (const std::bad_alloc&) {
+    return print_error(
+        {ugoki::ErrorCode::range, "ugoki", "The memory does not suffice.", "Give less data at once, or close other programs."}, false);
+  }
 }

@@ -1,5 +1,6 @@
 // `ugoki motion`: operations on motions.
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -75,6 +76,13 @@ Result<Json> describe(const MotionSet& set, const Motion& motion, const Common& 
   return json;
 }
 
+/// What locking the feet could not do.
+std::string missed(const Json& lock, double rate) {
+  if (!lock.is_object() || lock["foot_missed_m"].get<double>() < 0.005) return {};
+  return "Foot " + lock["missed_at"].get<std::string>() + " misses its place by " + to_fixed(100 * lock["foot_missed_m"].get<double>(), 1) +
+         " cm at " + to_fixed(lock["missed_frame"].get<int>() / rate, 2) + " s: its limb is too short there, or stopped by a limit.";
+}
+
 void tell(const Json& row) {
   std::string line = row["name"].get<std::string>() + ": " + std::to_string(row["frames"].get<int>()) + " frames, " +
                      to_fixed(row["duration_s"].get<double>(), 3) + " s" + (row["cyclic"].get<bool>() ? ", cyclic" : "");
@@ -83,6 +91,7 @@ void tell(const Json& row) {
     line += ", feet slide " + to_fixed(row["foot_skate_mean_cm"].get<double>(), 2) + " cm a stance, " +
             to_fixed(row["foot_skate_worst_cm"].get<double>(), 2) + " at worst";
   print_line(line);
+  if (const std::string text = missed(row.value("lock", Json()), row["rate"].get<double>()); !text.empty()) print_line(text);
   if (row.contains("written")) print_line(row["written"].get<std::string>());
 }
 
@@ -101,8 +110,13 @@ int finish(const MotionSet& set, const Motion& motion, const Common& c, Json mor
 }
 
 Json to_json(const FootLockReport& r) {
-  return {{"foot_skate_before_cm", r.before.worst_cm}, {"foot_skate_after_cm", r.after.worst_cm}, {"pelvis_lowered_m", r.greatest_drop},
-          {"foot_moved_m", r.greatest_move},           {"foot_missed_m", r.greatest_miss},        {"missed_at", r.miss_link}};
+  return {{"foot_skate_before_cm", r.before.worst_cm},
+          {"foot_skate_after_cm", r.after.worst_cm},
+          {"pelvis_lowered_m", r.greatest_drop},
+          {"foot_moved_m", r.greatest_move},
+          {"foot_missed_m", r.greatest_miss},
+          {"missed_at", r.miss_link},
+          {"missed_frame", r.miss_frame}};
 }
 
 CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, const CommonPtr& c, int least, int most) {
@@ -117,7 +131,10 @@ CLI::App* add_operation(CLI::App& verb, const char* name, const char* what, cons
   part->add_option("--mass", c->source.intake.mass, "Mass of the person in kg (otherwise estimated)")->check(CLI::Range(0.01, 100000.0));
   part->add_option("--library", c->source.library, "Library file (otherwise $UGOKI_LIBRARY or ~/.local/share/ugoki/library.db)");
   part->add_option("--feet", c->feet, "Links that stand on the ground (otherwise found)")->delimiter(',');
-  part->add_option("--ground", c->ground, "Height of the ground, m");
+  part->add_option("--ground", c->ground, "Height of the ground, m")->check([](const std::string& text) {
+    const std::optional<double> number = parse_double(text);
+    return number && std::fabs(*number) <= 1e6 ? std::string() : "'" + text + "' is no height in metres";
+  });
   part->add_flag("--find-ground", c->find_ground, "The ground is where the feet stand in the motion");
   part->add_flag("--json", c->json, "Print one JSON object");
   return part;
@@ -154,7 +171,11 @@ void run_by_pair(CLI::App* part, Action& action, const CommonPtr& c, Pair operat
   });
 }
 
-int frame_at(const Motion& m, double seconds) { return static_cast<int>(std::lround(seconds * m.rate)); }
+/// The frame nearest to a time; far outside of the motion for what is no time of it.
+int frame_at(const Motion& m, double seconds) {
+  const double frame = seconds * m.rate;
+  return std::isnan(frame) ? -1 : static_cast<int>(std::lround(std::clamp(frame, -1e9, 1e9)));
+}
 
 void add_trim(CLI::App& verb, Action& action) {
   const auto c = std::make_shared<Common>();

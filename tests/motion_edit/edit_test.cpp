@@ -6,6 +6,8 @@
 
 #include "figures.h"
 #include "ugoki/motion_edit/foot_contacts.h"
+#include "ugoki/motion_edit/foot_lock.h"
+#include "ugoki/motion_edit/layers.h"
 #include "ugoki/motion_edit/root_path.h"
 #include "ugoki/motion_edit/to_measured.h"
 
@@ -112,6 +114,36 @@ TEST(Edit, JoinLaysTheSecondWhereTheFirstEnds) {
   EXPECT_FALSE(join(figure.m(), walk, turned, {.blend = 50}));
   const Figure dog = dog_trot();
   EXPECT_FALSE(join(figure.m(), walk, dog.motion));
+}
+
+TEST(Edit, WhatWouldBeBeyondAllBoundsIsRefused) {
+  const Figure figure = human_walk();
+  const Mechanism& m = figure.m();
+  const Motion& walk = figure.motion;
+  const double nan = NAN, inf = INFINITY;
+  for (const double end : {1e9, 1e300, inf})
+    EXPECT_FALSE(time_warp(m, walk, std::vector<TimePoint>{{0, 0}, {end, walk.duration()}})) << end;
+  EXPECT_FALSE(time_warp(m, walk, std::vector<TimePoint>{{-1e300, 0}, {1e300, walk.duration()}}));
+  const auto endless = time_warp(m, walk, std::vector<TimePoint>{{0, 0}, {1e9, walk.duration()}});
+  EXPECT_NE(endless.error().text().find("frames"), std::string::npos) << endless.error().text();
+  Motion long_walk = walk;
+  long_walk.cyclic = false;
+  long_walk.rate = 0.01;
+  EXPECT_FALSE(resample(m, long_walk, 100000));
+  for (const ScaleOptions& o :
+       {ScaleOptions{.length = 1e300}, ScaleOptions{.time = 1e7}, ScaleOptions{.time = 1e-6}, ScaleOptions{.length = nan}})
+    EXPECT_FALSE(scale(m, walk, o));
+  EXPECT_FALSE(join(m, walk, walk, {.blend = nan}));
+  for (const double x : {1e300, nan, inf}) EXPECT_FALSE(bend_path(m, walk, std::vector<PathPoint>{{0, 0}, {x, 1}})) << x;
+  FootContacts contacts = find_contacts(m, walk);
+  for (const FootLockOptions& o :
+       {FootLockOptions{.ease = nan}, FootLockOptions{.ease = 1e300}, FootLockOptions{.stretch = 0}, FootLockOptions{.drop_time = -1}})
+    EXPECT_FALSE(lock_feet(m, walk, contacts, o));
+  contacts.ground = nan;
+  EXPECT_FALSE(lock_feet(m, walk, contacts));
+  const JointMask all = make_mask(m, {}).value();
+  EXPECT_FALSE(mix_joints(m, walk, walk, all, {.offset = nan}));
+  EXPECT_FALSE(add_layer(m, walk, walk, all, {.fade = inf}));
 }
 
 TEST(RootPath, BentWalksGoAlongTheCurveAndStand) {

@@ -32,10 +32,23 @@ Motion played(const Mechanism& m, const Motion& source, const SmoothMotion& smoo
   return out;
 }
 
+constexpr double least_factor = 1e-6, greatest_factor = 1e6, least_rate = 0.001, greatest_rate = 1e5;
+
 Error check_factor(const char* what, double x) {
-  if (x > 0 && std::isfinite(x)) return {};
-  return {ErrorCode::range, std::string("factor of ") + what, "It is " + to_text(x) + ", not above 0.", "Give a positive number."};
+  if (x >= least_factor && x <= greatest_factor) return {};
+  return {ErrorCode::range, std::string("factor of ") + what, "It is " + to_text(x) + ".", "Give a number from 0.000001 to 1000000."};
 }
+
+/// A motion that would not fit into memory is none that anybody wants. @param frames of the new motion
+Error check_size(const Motion& motion, double frames) {
+  const double most = std::floor(1e8 / std::max(1, motion.nq));
+  if (frames <= most) return {};
+  return {ErrorCode::range, place_of(motion), "It would have " + to_fixed(frames, 0) + " frames.",
+          "Make it shorter, or of fewer frames a second: at most " + to_fixed(most, 0) + " frames."};
+}
+
+/// s, as people read it; never more than it is.
+std::string seconds(double s) { return to_fixed(std::floor(1000 * s + 1e-6) / 1000, 3) + " s"; }
 
 }  // namespace
 
@@ -44,7 +57,7 @@ Result<Motion> trim(const Motion& motion, int first, int last) {
     return fail(
         ErrorCode::range, place_of(motion),
         "Frames " + std::to_string(first) + " to " + std::to_string(last) + " are not in its " + std::to_string(motion.frames) + " frames.",
-        "Give frames from 0 to " + std::to_string(motion.frames - 1) + ".");
+        "Give frames from 0 to " + std::to_string(motion.frames - 1) + ", that is 0 to " + seconds(motion.duration()) + ".");
   Motion out = motion;
   out.frames = last - first + 1;
   out.cyclic = motion.cyclic && out.frames == motion.frames;
@@ -62,7 +75,7 @@ Motion reverse(const Motion& motion) {
 
 Result<Motion> resample(const Mechanism& m, const Motion& motion, double rate) {
   if (Error wrong = check_motion(motion, m); !wrong.empty()) return fail(std::move(wrong));
-  if (!(rate >= 1 && rate <= 100000))
+  if (!(rate >= 1 && rate <= greatest_rate))
     return fail(ErrorCode::range, place_of(motion), "It cannot have " + to_text(rate) + " frames a second.", "Give 1 to 100000.");
   if (motion.frames < 2) {
     Motion out = motion;
@@ -70,6 +83,7 @@ Result<Motion> resample(const Mechanism& m, const Motion& motion, double rate) {
     return out;
   }
   const bool around = motion.cyclic;
+  if (Error wrong = check_size(motion, motion.duration() * rate + 1); !wrong.empty()) return fail(std::move(wrong));
   const int steps = std::max(1, static_cast<int>(std::floor(motion.duration() * rate + (around ? 0.5 : 1e-6))));
   const double new_rate = around ? steps / motion.duration() : rate;
   const double cutoff = rate < 0.8 * motion.rate ? 0.4 * rate : 0;
@@ -84,6 +98,9 @@ Result<Motion> scale(const Mechanism& m, const Motion& motion, const ScaleOption
   if (!errors.empty()) return fail(std::move(errors));
   Motion out = motion;
   out.rate = motion.rate / (o.time * (o.froude ? std::sqrt(o.length) : 1.0));
+  if (!(out.rate >= least_rate && out.rate <= greatest_rate))
+    return fail(ErrorCode::range, place_of(motion), "It would have " + to_text(out.rate) + " frames a second.",
+                "Give a factor of time that leaves 0.001 to 100000.");
   for (int f = 0; f < out.frames; ++f)
     for (const Link& link : m.links()) {
       double* q = out.frame(f) + link.q_index;
@@ -106,7 +123,7 @@ Result<Motion> time_warp(const Mechanism& m, const Motion& motion, std::span<con
   for (std::size_t i = 0; i < p.size(); ++i) {
     const std::string place = "time curve, point " + std::to_string(i);
     if (!std::isfinite(p[i].time) || !(p[i].source >= 0 && p[i].source <= motion.duration() + 1e-9))
-      return fail(ErrorCode::range, place, "It shows " + to_text(p[i].source) + " s of a motion of " + to_text(motion.duration()) + " s.",
+      return fail(ErrorCode::range, place, "It shows " + to_text(p[i].source) + " s of a motion of " + seconds(motion.duration()) + ".",
                   "Keep source times within the motion.");
     if (i > 0 && !(p[i].time > p[i - 1].time && p[i].source >= p[i - 1].source))
       return fail(ErrorCode::range, place, "Time does not rise there, or the source runs backwards.",
@@ -130,6 +147,7 @@ Result<Motion> time_warp(const Mechanism& m, const Motion& motion, std::span<con
     const double m0 = slope[i] * h, m1 = slope[i + 1] * h;
     return p[i].source + s * (m0 + s * ((3 * d - 2 * m0 - m1) + s * (m0 + m1 - 2 * d)));
   };
+  if (Error wrong = check_size(motion, (p.back().time - p[0].time) * motion.rate + 1); !wrong.empty()) return fail(std::move(wrong));
   const int frames = static_cast<int>(std::floor((p.back().time - p[0].time) * motion.rate + 1e-6)) + 1;
   Motion out = played(m, motion, SmoothMotion(motion, m, 0), frames, motion.rate, moment);
   const bool whole = p[0].source <= 0 && p.back().source >= motion.duration() - 1e-9;
@@ -144,9 +162,11 @@ Result<Motion> join(const Mechanism& m, const Motion& first, const Motion& secon
   if (!errors.empty()) return fail(std::move(errors));
   if (!(o.blend >= 0 && o.blend <= std::min(first.duration(), second.duration())))
     return fail(ErrorCode::range, "join", "A blend of " + to_text(o.blend) + " s does not fit into both motions.",
-                "Give at most " + to_text(std::min(first.duration(), second.duration())) + " s.");
+                "Give at most " + seconds(std::min(first.duration(), second.duration())) + ".");
   Result<Motion> next = second.rate == first.rate ? Result<Motion>(second) : resample(m, second, first.rate);
   if (!next) return next;
+  if (Error too_long = check_size(first, static_cast<double>(first.frames) + next->frames); !too_long.empty())
+    return fail(std::move(too_long));
   const auto nq = at(first.nq);
   const int overlap = static_cast<int>(o.blend * first.rate + 0.5), start = first.frames - 1 - overlap;
   Placement by;

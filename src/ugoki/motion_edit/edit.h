@@ -1,6 +1,6 @@
 #pragma once
 // Operations on one or two motions along their time. Each leaves its inputs as they are and gives a motion that fits the same mechanism;
-// contact labels go along. Errors name the motion and what to change.
+// contact labels go along. Errors name the motion and what to change; a motion of more than 100 million coordinates is not made.
 
 #include <span>
 
@@ -24,7 +24,7 @@ struct ScaleOptions {
   double time = 1;      ///< of the motion's duration: 2 is half as fast
   bool froude = false;  ///< time is the square root of length, so that weight moves it as before
 };
-/// Errors: factors not positive.
+/// Errors: factors outside of 1e-6 ... 1e6; a rate outside of 0.001 ... 100000 frames a second.
 [[nodiscard]] Result<Motion> scale(const Mechanism& mechanism, const Motion& motion, const ScaleOptions& options);
 
 /// A moment of the new motion and the moment of the source that it shows. s

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ugoki/base/number.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/limb_reach.h"
 #include "ugoki/motion_edit/rounds.h"
@@ -176,6 +177,15 @@ Result<Motion> lock_feet(const Mechanism& m, const Motion& motion, const FootCon
   if (contacts.feet.empty())
     return fail(ErrorCode::structure, "mechanism " + m.name(), "It has no feet that could be locked.",
                 "Name the links that stand on the ground, or label them 'foot' or 'paw'.");
+  if (!(o.ease >= 0 && o.ease <= 10 && o.drop_time >= 0 && o.drop_time <= 10))
+    return fail(ErrorCode::range, "foot lock",
+                "A correction cannot take " + to_text(o.ease) + " s, or the pelvis " + to_text(o.drop_time) + " s.",
+                "Give times from 0 to 10 s.");
+  if (!(o.stretch > 0 && o.stretch <= 1) || !(std::fabs(contacts.ground) <= 1e6))
+    return fail(
+        ErrorCode::range, "foot lock",
+        "A leg cannot be stretched to " + to_text(o.stretch) + " of its length, or the ground lie at " + to_text(contacts.ground) + " m.",
+        "Give a stretch up to 1 and a ground that the feet can reach.");
   const bool around = motion.cyclic && motion.frames > 2;
   const FootContacts c = around ? repeated_three_times(contacts) : contacts;
   const Motion whole = around ? three_rounds(motion, m) : motion;

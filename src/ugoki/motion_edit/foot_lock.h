@@ -46,7 +46,7 @@ void pin_stances(std::vector<FootPath>& paths, double rate, double ground, doubl
                                   const std::vector<FootPath>& paths, const FootLockOptions& options, FootLockReport* report = nullptr);
 
 /// All three steps. In a cyclic motion stances run on over the seam, and the result is cyclic.
-/// Errors: the motion does not fit the mechanism; it has no feet.
+/// Errors: the motion does not fit the mechanism; it has no feet; options that make no sense.
 [[nodiscard]] Result<Motion> lock_feet(const Mechanism& mechanism, const Motion& motion, const FootContacts& contacts,
                                        const FootLockOptions& options = {}, FootLockReport* report = nullptr);
 

@@ -38,6 +38,11 @@ Error check(const Mechanism& m, const Motion& base, const Motion& layer, const J
   return errors;
 }
 
+Error check_times(const Motion& other, const LayerOptions& o) {
+  if (std::isfinite(o.offset) && o.fade >= 0 && std::isfinite(o.fade)) return {};
+  return {ErrorCode::range, "layer " + other.name, "Its beginning or its fade is no time.", "Give seconds, for the fade 0 or more."};
+}
+
 }  // namespace
 
 Result<JointMask> make_mask(const Mechanism& m, std::span<const MaskEntry> entries) {
@@ -65,6 +70,7 @@ Result<JointMask> make_mask(const Mechanism& m, std::span<const MaskEntry> entri
 
 Result<Motion> mix_joints(const Mechanism& m, const Motion& base, const Motion& other, const JointMask& mask, const LayerOptions& o) {
   if (Error wrong = check(m, base, other, mask); !wrong.empty()) return fail(std::move(wrong));
+  if (Error wrong = check_times(other, o); !wrong.empty()) return fail(std::move(wrong));
   if (!(o.weight >= 0 && o.weight <= 1))
     return fail(ErrorCode::range, "layer " + other.name, "Its weight is " + to_text(o.weight) + ".", "Give a weight from 0 to 1.");
   Motion out = base;
@@ -91,6 +97,7 @@ Result<Motion> mix_joints(const Mechanism& m, const Motion& base, const Motion& 
 
 Result<Motion> add_layer(const Mechanism& m, const Motion& base, const Motion& layer, const JointMask& mask, const LayerOptions& o) {
   if (Error wrong = check(m, base, layer, mask); !wrong.empty()) return fail(std::move(wrong));
+  if (Error wrong = check_times(layer, o); !wrong.empty()) return fail(std::move(wrong));
   if (!std::isfinite(o.weight)) return fail(ErrorCode::range, "layer " + layer.name, "Its weight is no number.", "Give a finite number.");
   Motion out = base;
   std::vector<double> q(at(m.nq())), step(6);

@@ -97,8 +97,8 @@ Result<Motion> bend_path(const Mechanism& m, const Motion& motion, std::span<con
     return fail(ErrorCode::structure, "mechanism " + m.name(), "Its root does not move over the ground.",
                 "Use a mechanism with a floating root.");
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (!std::isfinite(points[i].x) || !std::isfinite(points[i].y))
-      return fail(ErrorCode::range, "path, point " + std::to_string(i), "It is not finite.", "Give numbers in metres.");
+    if (!(std::fabs(points[i].x) <= 1e6 && std::fabs(points[i].y) <= 1e6))
+      return fail(ErrorCode::range, "path, point " + std::to_string(i), "It lies more than 1000 km away.", "Give numbers in metres.");
   std::vector<PathPoint> curve = catmull_rom(points);
   if (curve.size() < 2) return fail(ErrorCode::structure, "path", "It has fewer than two different points.", "Give at least two.");
   const Way to(std::move(curve)), from(root_path(m, motion, o.smoothing));
