@@ -10,6 +10,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/files/files.h"
 #include "ugoki/formats/mechanism_json.h"
+#include "ugoki/mechanism_edit/cut.h"
 #include "ugoki/samples/samples.h"
 #include "verb.h"
 
@@ -22,6 +23,18 @@ struct Options {
   bool free_feet = false, free_hands = false, balance = false, slow = false, strict = false, json = false;
   SourceOptions source;
 };
+
+/// Without what stands around it: descriptions of robots bring the floor and other things along, fixed to the world.
+Result<MechanismPtr> without_surroundings(MechanismPtr mechanism) {
+  if (mechanism->link(0).joint.type == JointType::floating) return mechanism;
+  for (const Link& link : mechanism->links())
+    if (link.parent < 0 && link.joint.type == JointType::floating) {
+      Result<Edited> part = cut(*mechanism, link.name, {.keep = Keep::part});
+      if (!part) return fail(std::move(part.error()));
+      return part->mechanism;
+    }
+  return mechanism;
+}
 
 /// A mechanism file, an entry of the library (mechanism, or motion with its mechanism), "dog" or "human" of the project, or a measured file
 /// whose body is meant.
@@ -36,7 +49,7 @@ Result<MechanismPtr> load_target(const Options& o) {
     if (source.robot.base.empty()) source.robot.base = "floating";  // what walks is not bolted down
     Result<intake::Intake> taken = take_in_file(o.to, source);
     if (!taken) return fail(std::move(taken.error()));
-    return taken->mechanism;
+    return without_surroundings(taken->mechanism);
   }
   if (*kind == TargetKind::entry) {
     const Result<store::Library> library = library_of(o.to, o.source);

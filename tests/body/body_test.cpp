@@ -178,11 +178,29 @@ TEST(Body, FigureThatLooksAlongAnotherDirectionAtRest) {
 }
 
 TEST(Body, HeldStillWhileNothingMoves) {
-  const MeasuredMotion measured = testing::made_figure(1);
+  MeasuredMotion measured = testing::made_figure(2);
+  const std::size_t joints = measured.skeleton.joints.size();
+  std::copy_n(measured.rotations.begin(), joints, measured.rotations.begin() + static_cast<std::ptrdiff_t>(joints));
+  std::copy_n(measured.translations.begin(), joints, measured.translations.begin() + static_cast<std::ptrdiff_t>(joints));
   BodyOptions keep;
   keep.keep_unmoved = true;
   EXPECT_EQ(make_body(measured)->mechanism->nv(), 6);
   EXPECT_EQ(make_body(measured, keep)->mechanism->nv(), 6 + 3 * 18);
+}
+
+TEST(Body, OneFrameHoldsNoJoint) {
+  const MeasuredMotion rig = testing::made_figure(1);
+  const auto body = make_body(rig);
+  ASSERT_TRUE(body);
+  const std::vector<SkeletonJoint>& joints = rig.skeleton.joints;
+  std::vector<bool> carries(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!joints[i].end_sites.empty()) carries[i] = true;
+    if (joints[i].parent >= 0) carries[static_cast<std::size_t>(joints[i].parent)] = true;
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (carries[i]) EXPECT_GT(body->mechanism->link(body->mechanism->find_link(joints[i].name)).joint.nv(), 0) << joints[i].name;
+  EXPECT_LT(calc_position_error(*body, rig, to_motion(*body, rig)), 1e-9);
 }
 
 TEST(Body, JointThatTurnsOverIsReported) {

@@ -40,6 +40,20 @@ TEST(Slow_RealClips, Giant) { check_all(make_person(2.4)); }
 TEST(Slow_RealClips, SimpleHumanoid) {
   check_all(load_robot("mechanism/open_chain/urdf/simple_humanoid_description/urdf/simple_humanoid.urdf"));
 }
+/// Ankles that cannot turn as wanted, soles of balls: what stands must not slide there either.
+TEST(Slow_RealClips, MujocoHumanoidDoesNotSlide) {
+  const MechanismPtr figure = load_robot("mechanism/open_chain/mujoco/model__humanoid__humanoid.xml");
+  if (!figure) GTEST_SKIP() << "The shared data are absent.";
+  for (const std::string& path : clips) {
+    Clip clip;
+    if (!load_clip(path, clip)) GTEST_SKIP() << "The shared data are absent.";
+    const auto out = retarget::retarget(clip.mechanism, clip.motion, figure);
+    ASSERT_TRUE(out) << path << ": " << out.error().text();
+    EXPECT_LE(worst_excess(*figure, out->motion), 0) << path;
+    EXPECT_LT(worst_skate(*figure, out->motion), 0.01) << path;
+    EXPECT_NEAR(worst_skate(*figure, out->motion), out->report.skate_after, 1e-6) << path;
+  }
+}
 TEST(Slow_RealClips, Dog) { check_all(samples::make_dog()); }
 
 }  // namespace

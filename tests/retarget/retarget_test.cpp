@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 #include "figures.h"
 #include "ugoki/mechanism/state.h"
@@ -140,6 +142,25 @@ TEST(Retarget, IsTheSameOnEveryRun) {
   const auto a = retarget::retarget(clip.mechanism, clip.motion, dog), b = retarget::retarget(clip.mechanism, clip.motion, dog);
   ASSERT_TRUE(a && b);
   EXPECT_EQ(a->motion.q, b->motion.q);
+}
+
+TEST(Retarget, EndsWithAnErrorWhenItIsCancelled) {
+  const Clip clip = human_walk();
+  std::atomic<bool> cancelled = false;
+  std::thread other([&] { cancelled = true; });
+  other.join();
+  for (const bool balance : {false, true}) {
+    RetargetOptions options;
+    options.balance = balance;
+    options.cancelled = &cancelled;
+    const auto out = retarget::retarget(clip.mechanism, clip.motion, samples::make_dog(), options);
+    ASSERT_FALSE(out);
+    EXPECT_EQ(out.error().problems[0].code, ErrorCode::cancelled);
+  }
+  cancelled = false;
+  RetargetOptions options;
+  options.cancelled = &cancelled;
+  EXPECT_TRUE(retarget::retarget(clip.mechanism, clip.motion, samples::make_dog(), options));
 }
 
 TEST(Retarget, ForeLegsFollowByThePhase) {

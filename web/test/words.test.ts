@@ -3,7 +3,7 @@ import { CommandRegistry } from '../src/core/commands';
 import { format_factor, format_number, format_ruler, format_time, parse_number, say_label } from '../src/core/format';
 import { grade, measures, shown_value } from '../src/core/judge';
 import { is_typing, key_of, pointer_action, show_key } from '../src/core/keymap';
-import { describe_entry, tags_of } from '../src/core/library/words';
+import { describe_entry, format_mass, tags_of } from '../src/core/library/words';
 import type { LibraryEntry } from '../src/core/protocol';
 
 describe('numbers on screen', () => {
@@ -102,7 +102,8 @@ describe('the library', () => {
     { id: 'n', kind: 'motion', name: 'walk, relaxed', duration: 4.37, rate: 120, cyclic: true, tags: 'gait made' },
   ];
   it('is described in a line', () => {
-    expect(entries.map(describe_entry)).toEqual(['62 freedoms · 70 kg · 1.75 m', '4.37 s · 120 Hz · cyclic']);
+    expect([0.0008, 0.032, 0.9996, 4.46, 70.2].map(format_mass)).toEqual(['0.8 g', '32 g', '1 kg', '4.5 kg', '70 kg']);
+    expect(entries.map(describe_entry)).toEqual(['1.75 m · 70 kg · 62 freedoms', '4.37 s · 120 Hz · cyclic']);
     expect(describe_entry({ id: 'x', kind: 'motion', name: 'bare' })).toBe('');
   });
   it('has tags as a list or as words', () => {

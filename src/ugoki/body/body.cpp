@@ -117,7 +117,10 @@ class Maker {
       moved += link.joint.nv() > 0 ? 1 : 0;
     }
     give_mass_to_empty_ends();
-    say(std::to_string(moved) + " of " + std::to_string(spec_.links.size()) + " joints move in this motion; the others are fixed.");
+    say(m_.frames == 1
+            ? "One frame does not tell how joints move; " + std::to_string(moved) + " of " + std::to_string(spec_.links.size()) +
+                  " that carry something can turn."
+            : std::to_string(moved) + " of " + std::to_string(spec_.links.size()) + " joints move in this motion; the others are fixed.");
   }
 
   void find_size(Build& build) {

@@ -136,7 +136,10 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool
   const double near_tolerance = std::min(1e-5, near > 0 ? hinge_tolerance / near : 1.0);
   double moved = 0;
   for (int f = 1; f < m.frames; ++f) moved = std::max(moved, angle_of(rotation(m, 0, i).conjugate() * rotation(m, f, i)));
-  const bool still = moved < std::min(unmoved, std::max(tolerance, 1e-9));
+  // One frame tells nothing about how joints move: what carries something turns as it likes.
+  const bool carries = near > 0 || std::ranges::any_of(source.end_sites, [](const Vec3& e) { return norm(e) > 0; });
+  const bool unknown = m.frames == 1 && carries;
+  const bool still = !unknown && moved < std::min(unmoved, std::max(tolerance, 1e-9));
   if (still && (source.freedoms.empty() || !options.keep_unmoved)) {
     if (angle_of(rotation(m, 0, i)) > 1e-9) joint.X_PJ.R = to_matrix(rotation(m, 0, i));
     return joint;
@@ -151,7 +154,7 @@ Joint fit_joint(const MeasuredMotion& m, int i, const BodyOptions& options, bool
     joint.axis2 = source.freedoms[1].axis;
     if (worst_misfit(m, i, joint) <= tolerance) return joint;
   }
-  if (!options.keep_unmoved)
+  if (!options.keep_unmoved && !unknown)
     if (const auto hinge = fit_hinge(m, i, joint, strict ? tolerance : near_tolerance)) return *hinge;
   joint.type = JointType::spherical;
   joint.axis = {0, 0, 1};

@@ -5,6 +5,7 @@
 
 #include "ugoki/base/number.h"
 #include "ugoki/mechanism/state.h"
+#include "ugoki/motion_edit/foot_contacts.h"
 #include "ugoki/retarget/feet_plan.h"
 
 namespace ugoki::retarget {
@@ -59,29 +60,35 @@ void find_speeds(const Mechanism& m, const Mapping& mapping, const Motion& motio
   }
 }
 
-void find_skate(const Rig& rig, const Driver& driver, const Motion& motion, RetargetReport& report) {
-  const Mechanism& m = *rig.mechanism;
-  std::vector<motion_edit::FootPath> paths(motion.contacts.size());
-  std::vector<int> limbs;
-  for (int k = 0; k < limb_count; ++k)
-    if (driver.limb(k).ground && driver.limb(k).source >= 0) limbs.push_back(k);
+/// The way of a limb that stands on a point, m.
+double skate_of_point(const LimbRig& limb, const Mechanism& m, const Motion& motion, const std::vector<std::uint8_t>& on, int& stances) {
+  motion_edit::FootPath path;
+  path.bears = on;
   std::vector<Pose> X(at(m.link_count()));
   for (int f = 0; f < motion.frames; ++f) {
     calc_poses(m, std::span<const double>(motion.frame(f), at(motion.nq)), X);
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-      const LimbRig& limb = rig.limbs[at(limbs[i])];
-      // In the world's axes at the led place for a point, in the foot's frame otherwise.
-      const Pose X_WF = limb.point_foot ? Pose{Mat3::identity(), X[at(limb.end)] * limb.end_point} : X[at(limb.end)];
-      paths[i].X_WF.push_back(X_WF);
-      for (const LinkPoint& p : limb.sole.points)
-        paths[i].points.push_back(
-            limb.point_foot ? p.place : SupportPoint{transpose_times(X_WF.R, X[at(p.link)] * p.place.p - X_WF.p), p.place.radius});
-    }
+    path.X_WF.push_back({Mat3::identity(), X[at(limb.end)] * limb.end_point});
+    for (const LinkPoint& p : limb.sole.points) path.points.push_back(p.place);
   }
+  return path_skate(path, stances);
+}
+
+void find_skate(const Rig& rig, const Driver& driver, const Motion& motion, RetargetReport& report) {
+  const Mechanism& m = *rig.mechanism;
   report.stances = 0;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    paths[i].bears = motion.contacts[i].on;
-    report.skate_after = std::max(report.skate_after, path_skate(paths[i], report.stances));
+  std::size_t i = 0;
+  for (int k = 0; k < limb_count; ++k) {
+    if (!driver.limb(k).ground || driver.limb(k).source < 0) continue;
+    const LimbRig& limb = rig.limbs[at(k)];
+    const std::vector<std::uint8_t>& on = motion.contacts[i++].on;
+    if (limb.point_foot) {
+      report.skate_after = std::max(report.skate_after, skate_of_point(limb, m, motion, on, report.stances));
+      continue;
+    }
+    const motion_edit::SkateReport skate =
+        motion_edit::measure_skate(m, motion, {.feet = {limb.sole}, .ground = 0, .bears = {on}, .heel = {}, .toe = {}});
+    report.stances += skate.stances;
+    report.skate_after = std::max(report.skate_after, 0.01 * skate.worst_cm);
   }
 }
 

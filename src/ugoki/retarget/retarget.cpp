@@ -16,6 +16,8 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double near_enough = 1e-5;  // of a leg's length: a standing foot this near to its goal is there
+constexpr double slips_weigh = 20;    // a foot that slides a little in each frame slides far; one that misses its height does not
+constexpr int most_rolls = 100;       // until a sole that cannot turn as planned is where it rolls to; mostly 2 or 3
 constexpr double fade_time = 0.06;    // s in which a swinging foot comes back to its plan
 constexpr double shift_time = 0.1;    // s before and after within which the root is moved for a foot that cannot reach
 
@@ -47,6 +49,7 @@ class Retargeting {
     make_paths();
     solve_all();
     follow_real_soles();
+    if (cancelled()) return std::move(out_);
     hold();
     label();
     find_facts(t_, driver_, o_, out_);
@@ -58,6 +61,7 @@ class Retargeting {
   }
 
  private:
+  [[nodiscard]] bool cancelled() const { return o_.cancelled != nullptr && o_.cancelled->load(std::memory_order_relaxed); }
   [[nodiscard]] double* frame(int f) { return out_.motion.frame(f); }
   [[nodiscard]] const double* posture(int f) const { return postures_.data() + at(f) * at(m_.nq()); }
 
@@ -230,7 +234,7 @@ class Retargeting {
   [[nodiscard]] std::vector<Vec3> shift_for_balance() {
     const double play = 0.06 * t_.leg_length;
     std::vector<Vec3> need(at(in_.frames));
-    for (int f = 0; f < in_.frames; ++f) {
+    for (int f = 0; f < in_.frames && !cancelled(); ++f) {
       solve_frame(f, {});
       calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
       std::vector<Vec3> feet;
@@ -261,7 +265,7 @@ class Retargeting {
     for (int round = 0;; ++round) {
       bool any = false;
       const bool last = round == 3;
-      for (int f = 0; f < in_.frames; ++f) {
+      for (int f = 0; f < in_.frames && !cancelled(); ++f) {
         extra[at(f)] = {};
         if (round > 0 && !dirty_[at(f)]) continue;
         if (solve_frame(f, shift[at(f)]) > enough && movable) {
@@ -339,14 +343,21 @@ class Retargeting {
     return out;
   }
 
+  /// How far the place that bears has slid, m. @param X_WP of the places in the frame before
+  [[nodiscard]] double slip_of(const LimbRig& limb, const Pose& X, std::span<const Pose> X_FP, std::span<const Pose> X_WP) const {
+    const Bearing low = find_bearing(limb, X, X_FP);
+    const Vec3 d = X * (X_FP[low.point] * low.bottom) - X_WP[low.point] * low.bottom;
+    return std::sqrt(d.x * d.x + d.y * d.y);
+  }
+
   /// From frame to frame: the place that bears stays where it was in the frame before, at the height of the plan.
   void roll(FootPlan& plan) {
     const LimbRig& limb = t_.limbs[at(plan.limb)];
     const std::vector<LinkPoint>& points = limb.sole.points;
     const double fade = 1 / (1 + fade_time * in_.rate);
     std::vector<Pose> X_FP(points.size()), X_WP(points.size());
-    Vec3 off;  // of the foot from its plan
-    for (int f = 0; f < in_.frames; ++f) {
+    Vec3 off, best_off;  // of the foot from its plan
+    for (int f = 0; f < in_.frames && !cancelled(); ++f) {
       const bool stands = plan.path.bears[at(f)] != 0, stood = f > 0 && plan.path.bears[at(f - 1)] != 0;
       if (!stands) off = off * (1 - fade);
       calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
@@ -354,7 +365,8 @@ class Retargeting {
       for (std::size_t i = 0; i < points.size(); ++i) X_FP[i] = X.inverse() * X_[at(points[i].link)];
       const Pose& planned = plan.path.X_WF[at(f)];
       const double height = find_bearing(limb, planned, X_FP).height;
-      for (int i = 0; i < 8; ++i) {
+      double least = 1e300;
+      for (int i = 0; i < most_rolls; ++i) {
         const Bearing low = find_bearing(limb, X, X_FP);
         const Vec3 in_foot = X_FP[low.point] * low.bottom;
         Pose goal{planned.R, planned.p + off};
@@ -364,11 +376,24 @@ class Retargeting {
           off -= Vec3{moved.x, moved.y, 0};
           goal.p -= Vec3{moved.x, moved.y, 0};
         }
-        plan.miss[at(f)] = driver_.reach(plan.limb, goal, frame(f), X_, i == 0);
+        const double miss = driver_.reach(plan.limb, goal, frame(f), X_, i == 0);
         const Mat3 turned = X.R.transposed() * X_[at(limb.end)].R;
         X = X_[at(limb.end)];
-        if (i > 0 && 3 - turned.trace() < 1e-13) break;
+        const bool settled = i > 0 && 3 - turned.trace() < 1e-13;
+        // Where turning the sole changes what bears, there may be no rest; then the best that was found counts.
+        const double slip = stands && stood ? slip_of(limb, X, X_FP, X_WP) : 0;
+        if (settled || miss + slips_weigh * slip < least) {
+          least = miss + slips_weigh * slip;
+          plan.miss[at(f)] = miss;
+          best_.assign(frame(f), frame(f) + m_.nq());
+          best_off = off;
+        }
+        if (settled) break;
       }
+      std::copy(best_.begin(), best_.end(), frame(f));
+      off = best_off;
+      calc_poses(m_, std::span<const double>(frame(f), at(m_.nq())), X_);
+      X = X_[at(limb.end)];
       for (std::size_t i = 0; i < points.size(); ++i) X_WP[i] = X * X_FP[i];
     }
   }
@@ -456,7 +481,7 @@ class Retargeting {
   Driver driver_;
   std::vector<std::vector<std::uint8_t>> bears_;  // [limbs of the source][frames]
   std::vector<FootPlan> feet_;
-  std::vector<double> postures_, q_;
+  std::vector<double> postures_, q_, best_;
   std::vector<Pose> X_;
   std::vector<std::uint8_t> dirty_;
   std::vector<Vec3> lacks_, hips_;
@@ -486,7 +511,7 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
         best.report.notes.push_back("Steps are " + to_fixed(100 * (1 - tried.path_scale / usual), 0) +
                                     " % shorter than those of the source, because the legs reach no further within their limits.");
     }
-    if (most < 2e-3 * target.leg_length || options.path_scale > 0) break;
+    if (most < 2e-3 * target.leg_length || options.path_scale > 0 || (options.cancelled != nullptr && *options.cancelled)) break;
     tried.path_scale = usual * pow(0.8, i + 1);
   }
   return best;
@@ -519,9 +544,11 @@ Result<Retargeted> retarget(MechanismPtr from, const Motion& motion, MechanismPt
   if (to->link(0).joint.type != JointType::floating)
     return fail(ErrorCode::structure, to->name(), "Its base is joined to the world, so it cannot go where the motion goes.",
                 "Read it with a floating base (--base floating).");
-  if (!motion.cyclic || !options.keep_contacts || motion.frames < 3) return run_with_steps(*source, *target, motion, options);
-  const Motion rounds = motion_edit::three_rounds(motion, *from);
-  Retargeted out = run_with_steps(*source, *target, rounds, options);
+  const bool around = motion.cyclic && options.keep_contacts && motion.frames >= 3;
+  Retargeted out = run_with_steps(*source, *target, around ? motion_edit::three_rounds(motion, *from) : motion, options);
+  if (options.cancelled != nullptr && *options.cancelled)
+    return fail(ErrorCode::cancelled, "motion " + motion.name, "Its retargeting was cancelled.", "");
+  if (!around) return out;
   const auto place = [&](int frame) { return root_placement(*to, {out.motion.frame(frame), at(to->nq())}); };
   const int round = motion.frames - 1;
   out.motion = motion_edit::middle_round(out.motion, *to, place(2 * round) * inverse(place(round)));

@@ -2,6 +2,7 @@
 // Operations on the motion of a clip, as a page asks for them (docs/studio-protocol.md, "motion"): from options and motions to a new
 // motion, how the clip plays it, and what was done in words. Knows neither project nor library.
 
+#include <atomic>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,7 +28,8 @@ struct MotionEdit {
   ClipMotion next;  ///< `join`: the clip after it; motion null: there is none
   MotionPtr other;  ///< `mix`, `layer`, `blend`: the second motion
   MechanismPtr other_mechanism;
-  MechanismPtr body;  ///< `retarget`: for whom
+  MechanismPtr body;                             ///< `retarget`: for whom
+  const std::atomic<bool>* cancelled = nullptr;  ///< may be set by another thread: long work then ends soon, with an error
 };
 
 struct EditedMotion {

@@ -76,7 +76,7 @@ void Session::start() {
 }
 
 void Session::stop() {
-  motion_tasks_.clear();
+  cancel_motions();
   motion_queue_.close();
   ++generation_;
   pid_ = -1;

@@ -87,6 +87,7 @@ class Session {
   struct MotionTask;
   [[nodiscard]] Result<void> start_motion(const Request& request);
   [[nodiscard]] Result<std::string> cancel_motion(const Request& request);
+  void cancel_motions();
   void finish_motion(MotionTask& task);
   [[nodiscard]] Result<std::string> place_motion(const MotionTask& task);
   [[nodiscard]] Result<std::string> undo_or_redo(bool undo);

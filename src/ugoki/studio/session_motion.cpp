@@ -148,6 +148,7 @@ Result<void> Session::start_motion(const Request& request) {
     task->body_id = std::move(body->id);
   }
 
+  edit.cancelled = &task->cancelled;
   motion_tasks_[task->name] = task;
   motion_queue_.post([this, task] {
     if (task->cancelled) return;
@@ -167,9 +168,14 @@ Result<std::string> Session::cancel_motion(const Request& request) {
   if (found == motion_tasks_.end()) return std::string();  // it ended in the meantime
   const std::shared_ptr<MotionTask> task = found->second;
   motion_tasks_.erase(found);
-  task->cancelled = true;  // what it makes is dropped
+  task->cancelled = true;  // the work ends soon, and what it makes is dropped
   reply(task->client, task->reply_to, std::string(",\"cancelled\":true"));
   return std::string();
+}
+
+void Session::cancel_motions() {
+  for (const auto& [name, task] : motion_tasks_) task->cancelled = true;
+  motion_tasks_.clear();
 }
 
 void Session::finish_motion(MotionTask& task) {

@@ -1,8 +1,8 @@
 import { useEffect, useRef, type ReactElement } from 'react';
 import { apply_command, find_character, find_clip, find_event, type Character, type Clip, type Command, type ScenarioDocument, type ScenarioEvent } from '../core/document';
-import { format_number, say_label } from '../core/format';
+import { say_label } from '../core/format';
 import { link_position } from '../core/frames';
-import { describe_entry } from '../core/library/words';
+import { describe_entry, format_length, format_mass } from '../core/library/words';
 import type { LibraryEntry, Vec3 } from '../core/protocol';
 import { shown_document } from '../core/state';
 import { run } from './actions';
@@ -93,7 +93,7 @@ function CharacterFields({ character, link, doc }: { character: Character; link:
       </h3>
       {mechanism && (
         <p className="facts">
-          {mechanism.freedoms} freedoms · {format_number(mechanism.mass, 1)} kg · {format_number(mechanism.height)} m
+          {format_length(mechanism.height)} · {format_mass(mechanism.mass)} · {mechanism.freedoms} freedoms
         </p>
       )}
       <TextField label="Name" value={character.name} on_commit={(name) => send({ type: 'character.set', id: character.id, name })} />

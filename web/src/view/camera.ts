@@ -3,6 +3,7 @@ import * as THREE from 'three';
 
 const field_of_view = 36;
 const smooth_time = 0.09; // s, of the camera's own motion
+const border = 0.09; // of the picture's width and height, left free on each side of what is framed
 const follow_time = 0.28; // s, of following a figure
 
 export interface Eye {
@@ -68,11 +69,36 @@ export class CameraRig {
     this.goal.elevation = elevation;
   }
 
-  frame(sphere: THREE.Sphere): void {
-    this.goal.target.copy(sphere.center);
-    const half = (field_of_view * Math.PI) / 360;
-    const narrow = Math.min(1, this.aspect);
-    this.goal.distance = clamp((sphere.radius * 1.18) / Math.sin(half) / narrow, 0.04, 2000);
+  /** Looks from where it looks, as near as all spheres stay in the picture with a border around them. */
+  frame(spheres: readonly THREE.Sphere[]): void {
+    if (spheres.length === 0) return;
+    const { azimuth, elevation } = this.goal;
+    const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
+    const towards = new THREE.Vector3(ce * ca, ce * sa, se);
+    const sideways = [new THREE.Vector3(-sa, ca, 0), new THREE.Vector3(-se * ca, -se * sa, ce)];
+    const upright = Math.tan((field_of_view * Math.PI) / 360);
+    const whole = [upright * this.aspect, upright];
+    const target = new THREE.Vector3();
+    let distance = 0;
+    // Each of the two planes on a side of the picture touches the sphere that is farthest out.
+    sideways.forEach((axis, i) => {
+      const slope = whole[i]! * (1 - 2 * border);
+      const slant = Math.hypot(1, slope);
+      let right = -Infinity;
+      let left = -Infinity;
+      for (const { center, radius } of spheres) {
+        const along = center.dot(axis);
+        const near = center.dot(towards) * slope + radius * slant;
+        right = Math.max(right, near + along);
+        left = Math.max(left, near - along);
+      }
+      distance = Math.max(distance, (right + left) / (2 * slope));
+      target.addScaledVector(axis, (right - left) / 2);
+    });
+    // So far the eye is `distance` in front of the origin's plane; what is framed becomes what is turned about.
+    const middle = spheres.reduce((sum, s) => sum + s.center.dot(towards), 0) / spheres.length;
+    this.goal.target.copy(target.addScaledVector(towards, middle));
+    this.goal.distance = clamp(distance - middle, 0.04, 2000);
   }
 
   set(eye: Partial<Eye>, at_once: boolean): void {

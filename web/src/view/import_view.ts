@@ -94,10 +94,9 @@ export class ImportView {
 
   /** Sees the figure and the measure beside it, however large or small it is. */
   frame(): void {
-    const box = this.box_of(this.reference).union(this.figure ? this.box_of(this.figure) : new THREE.Box3());
-    const sphere = box.getBoundingSphere(new THREE.Sphere());
+    const shown = [this.reference, ...(this.figure ? [this.figure] : [])];
     this.rig.look_from(0.75, 0.18);
-    this.rig.frame(sphere);
+    this.rig.frame(shown.map((figure) => this.box_of(figure).getBoundingSphere(new THREE.Sphere())));
     this.rig.set({}, true);
   }
 

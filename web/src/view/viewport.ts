@@ -180,30 +180,36 @@ export class Viewport {
     return say_label(link?.label || link?.name || '');
   }
 
-  /** The figure's bounds as drawn now; null where there is none. */
-  bounds(character: string | null): THREE.Sphere | null {
-    const box = new THREE.Box3();
+  /** Spheres about the links of a figure (null: of all) as drawn now. */
+  private spheres(character: string | null): THREE.Sphere[] {
+    const out: THREE.Sphere[] = [];
     for (const [id, entry] of this.drawn) {
       if (character !== null && id !== character) continue;
       entry.figure.group.updateMatrixWorld(true);
-      for (const mesh of entry.figure.links) {
-        if (!mesh?.geometry.boundingSphere) continue;
-        const s = mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld);
-        box.expandByPoint(s.center.clone().addScalar(s.radius)).expandByPoint(s.center.clone().subScalar(s.radius));
-      }
+      for (const mesh of entry.figure.links)
+        if (mesh?.geometry.boundingSphere) out.push(mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld));
     }
+    return out;
+  }
+
+  /** The figure's bounds as drawn now; null where there is none. */
+  bounds(character: string | null): THREE.Sphere | null {
+    const box = new THREE.Box3();
+    for (const s of this.spheres(character))
+      box.expandByPoint(s.center.clone().addScalar(s.radius)).expandByPoint(s.center.clone().subScalar(s.radius));
     return box.isEmpty() ? null : box.getBoundingSphere(new THREE.Sphere());
   }
 
   frame_selection(): void {
-    const sphere = this.bounds(selected_character(this.session.state)) ?? this.bounds(null);
-    if (sphere) this.rig.frame(sphere);
+    const selected = selected_character(this.session.state);
+    const spheres = selected === null ? [] : this.spheres(selected);
+    this.rig.frame(spheres.length > 0 ? spheres : this.spheres(null));
     this.invalidate();
   }
 
   frame_all(): void {
-    const sphere = this.bounds(null) ?? new THREE.Sphere(new THREE.Vector3(0, 0, 0.9), 1.4);
-    this.rig.frame(sphere);
+    const spheres = this.spheres(null);
+    this.rig.frame(spheres.length > 0 ? spheres : [new THREE.Sphere(new THREE.Vector3(0, 0, 0.9), 1.4)]);
     this.invalidate();
   }
 
@@ -326,10 +332,10 @@ export class Viewport {
   private first_view(): void {
     this.framed_once = true;
     const camera = this.session.state.document?.camera;
-    this.frame_all();
     if (camera?.azimuth !== undefined) this.rig.look_from(camera.azimuth, camera.elevation ?? 0.25);
-    const followed = camera?.follow ? this.bounds(camera.follow) : null;
-    if (followed) {
+    this.frame_all();
+    const followed = camera?.follow ? this.spheres(camera.follow) : [];
+    if (followed.length > 0) {
       this.rig.frame(followed);
       if (camera?.distance) this.rig.set({ distance: camera.distance }, false);
     }

@@ -13,13 +13,19 @@ export function format_length(metres: number): string {
   return `${format_number(metres, metres < 9.995 ? 2 : 0)} m`;
 }
 
-/** The second line under an entry's name. */
+/** "0.8 g", "32 g", "4.5 kg", "70 kg" */
+export function format_mass(kilograms: number): string {
+  if (kilograms < 0.9995) return `${format_number(1000 * kilograms, kilograms < 0.00995 ? 1 : 0)} g`;
+  return `${format_number(kilograms, kilograms < 9.95 ? 1 : 0)} kg`;
+}
+
+/** The second line under an entry's name: what tells entries apart first, the rest may be cut off. */
 export function describe_entry(entry: LibraryEntry): string {
   if (entry.kind === 'mechanism') {
     return join_facts([
-      entry.freedoms !== undefined && `${entry.freedoms} ${entry.freedoms === 1 ? 'freedom' : 'freedoms'}`,
-      entry.mass !== undefined && `${format_number(entry.mass, entry.mass < 10 ? 1 : 0)} kg`,
       entry.height !== undefined && entry.height > 0 && format_length(entry.height),
+      entry.mass !== undefined && format_mass(entry.mass),
+      entry.freedoms !== undefined && `${entry.freedoms} ${entry.freedoms === 1 ? 'freedom' : 'freedoms'}`,
     ]);
   }
   return join_facts([

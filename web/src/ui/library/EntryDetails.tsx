@@ -1,7 +1,7 @@
 /** What the inspector shows of a library entry: facts, tags, note, versions, and what can be done with it. */
 import { useEffect, useState, type KeyboardEvent, type ReactElement } from 'react';
 import type { EntryVersion } from '../../core/library/browser';
-import { describe_entry, format_bytes, format_length, format_when, key_of, split_tags, tags_of } from '../../core/library/words';
+import { describe_entry, format_bytes, format_length, format_mass, format_when, key_of, split_tags, tags_of } from '../../core/library/words';
 import { format_number } from '../../core/format';
 import type { ScenarioDocument } from '../../core/document';
 import type { LibraryEntry } from '../../core/protocol';
@@ -21,7 +21,7 @@ export function EntryDetails({ entry, doc }: { entry: LibraryEntry; doc: Scenari
   row('Moves', entry.kind === 'motion' && body?.name);
   row('Freedoms', entry.freedoms !== undefined && String(entry.freedoms));
   row('Height', entry.height !== undefined && entry.height > 0 && format_length(entry.height));
-  row('Mass', entry.mass !== undefined && `${format_number(entry.mass, entry.mass < 10 ? 2 : 1)} kg`);
+  row('Mass', entry.mass !== undefined && format_mass(entry.mass));
   row('Source', entry.source);
   row('Size', format_bytes(entry.size));
   row('Saved by', [entry.by, format_when(entry.changed ?? entry.created)].filter(Boolean).join(', '));
