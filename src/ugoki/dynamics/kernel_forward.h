@@ -121,7 +121,7 @@ class ForwardKernel {
         case Crossing::cycle_back: outward_revolute<Crossing::cycle_back>(i); break;
         case Crossing::matrix: outward(i); break;
       }
-      if (i % sweep == 0) acceleration_[i + 1] = {without_dust(acceleration_[i + 1].w), without_dust(acceleration_[i + 1].v)};
+      if (i % sweep == 0) acceleration_[place(i)] = {without_dust(acceleration_[place(i)].w), without_dust(acceleration_[place(i)].v)};
     }
   }
 
@@ -202,6 +202,11 @@ class ForwardKernel {
   static constexpr Real dust = sizeof(Real) == 8 ? Real(1e-150) : Real(1e-20);
   UGOKI_INLINE static T without_dust(T x) { return select(x < T(dust), select(T(-dust) < x, T(0), x), x); }
   UGOKI_INLINE static V3<T> without_dust(const V3<T>& x) { return {without_dust(x.x), without_dust(x.y), without_dust(x.z)}; }
+
+  // A batch keeps the accelerations of the nodes on the way to the present one only, as in kernel_inverse.h.
+  static constexpr bool by_level = T::count > 1 && !twins && !closed;
+  UGOKI_INLINE int place(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
+  UGOKI_INLINE static int place_above(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
 
   UGOKI_INLINE T v(int k) const { return load<T>(a_.v, k, a_.stride); }
   UGOKI_INLINE T tau(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
@@ -512,7 +517,7 @@ class ForwardKernel {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    const Vec6T<T>& up = acceleration_[o.parent + 1];
+    const Vec6T<T>& up = acceleration_[place_above(o)];
     const V3<T> w = w_[i + 1];
     const T rate = v(o.v) * T(c.sign);
     V3<T> wd = X.down(up.w);
@@ -523,14 +528,14 @@ class ForwardKernel {
     const T vdot = f.d * ((loops ? reduced_force(i, 0, f) : f.u) - (dot(f.U.w, wd) + dot(f.U.v, a)));
     give(o.v, vdot * T(c.sign));
     wd.z += vdot;
-    acceleration_[i + 1] = {wd, a};
-    if constexpr (loops) loops_.recover(i, acceleration_[i + 1]);
+    acceleration_[place(i)] = {wd, a};
+    if constexpr (loops) loops_.recover(i, acceleration_[place(i)]);
   }
 
   void outward(int i) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
-    const Vec6T<T>& up = acceleration_[o.parent + 1];
+    const Vec6T<T>& up = acceleration_[place_above(o)];
     Vec6T<T> A{pass_.down(i, up.w), pass_.down(i, up.v + cross(up.w, pass_.origin(i)))};
     if (o.kind == NodeKind::floating) {
       T x[6];
@@ -546,8 +551,8 @@ class ForwardKernel {
         give(o.v + k, spin[k]);
         give(o.v + 3 + k, out[k]);
       }
-      acceleration_[i + 1] = {A.w + spin, A.v + slide};
-      loops_.recover(i, acceleration_[i + 1]);
+      acceleration_[place(i)] = {A.w + spin, A.v + slide};
+      loops_.recover(i, acceleration_[place(i)]);
       return;
     }
     const auto reduced = [&](int k) { return freedom_[k].d * (reduced_force(i, k - o.v, freedom_[k]) - dot(freedom_[k].U, A)); };
@@ -565,8 +570,8 @@ class ForwardKernel {
       if (o.kind == NodeKind::prismatic) A.v.z += vdot;
       if (o.kind == NodeKind::helical) A.v.z += vdot * T(c.pitch);
     }
-    acceleration_[i + 1] = A + velocity_product(i);
-    loops_.recover(i, acceleration_[i + 1]);
+    acceleration_[place(i)] = A + velocity_product(i);
+    loops_.recover(i, acceleration_[place(i)]);
   }
 
   Loops loops_;
@@ -575,7 +580,7 @@ class ForwardKernel {
   V3<T>* w_;                 // [nodes + 1], the world first
   V3<T>* velocity_product_;  // [nodes] linear part, of plain revolute joints
   FreedomPass* freedom_;     // [nv]
-  Vec6T<T>* acceleration_;   // [nodes + 1]
+  Vec6T<T>* acceleration_;   // [nodes + 1] at place()
   Articulated<T>* slots_;
   const Articulated<T>* twins_ = nullptr;
   Articulated<T> carry_;

@@ -79,6 +79,11 @@ class InverseKernel {
  private:
   static constexpr bool twins = !std::is_same_v<Constant, Real>;
 
+  // A batch keeps the motions of the nodes on the way to the present one, not of all: so its scratch stays in the nearest cache.
+  static constexpr bool by_level = T::count > 1 && !twins;
+  UGOKI_INLINE int place(int i) const { return (by_level ? a_.order[i].level : i) + 1; }
+  UGOKI_INLINE static int place_above(const NodeOrder& o) { return by_level ? o.level : o.parent + 1; }
+
   UGOKI_INLINE T v(int k) const { return load<T>(a_.v, k, a_.stride); }
   UGOKI_INLINE T vdot(int k) const { return a_.in == nullptr ? T(0) : load<T>(a_.in, k, a_.stride); }
   UGOKI_INLINE void give(int k, T tau) const { tau.store(a_.out + k * a_.stride); }
@@ -86,7 +91,7 @@ class InverseKernel {
   UGOKI_INLINE void finish(int i, const V3<T>& w, const V3<T>& wd, const V3<T>& a) {
     const NodeConstants<Constant>& c = a_.constants[i];
     const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z, xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
-    Motion& m = motion_[i + 1];
+    Motion& m = motion_[place(i)];
     m.K = {-(yy + zz), xy - wd.z, xz + wd.y, xy + wd.z, -(xx + zz), yz - wd.x, xz - wd.y, yz + wd.x, -(xx + yy)};
     m.a = a;
     m.w = w;
@@ -116,7 +121,7 @@ class InverseKernel {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    const Motion& p = motion_[o.parent + 1];
+    const Motion& p = motion_[place_above(o)];
     const V3<T> w = X.down(p.w), wd = X.down(p.wd), a = X.down(p.a + p.K * vector_of<T>(c.p));
     const T rate = v(o.v) * T(c.sign);
     finish(i, {w.x, w.y, w.z + rate}, {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + vdot(o.v) * T(c.sign)}, a);
@@ -125,7 +130,7 @@ class InverseKernel {
   void outward(int i) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
-    const Motion& p = motion_[o.parent + 1];
+    const Motion& p = motion_[place_above(o)];
     V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, p.wd), a = pass_.down(i, p.a + p.K * pass_.origin(i));
     const T sign(c.sign), two(2);
     if (o.kind == NodeKind::revolute || o.kind == NodeKind::helical) {
@@ -197,7 +202,7 @@ class InverseKernel {
 
   Pass<T, Constant> pass_;
   const KernelArguments<Real, Constant>& a_;
-  Motion* motion_;  // [nodes + 1], the world first
+  Motion* motion_;  // [nodes + 1] at place(), the world first
   Force* force_;    // [nodes]
   Force handed_on_;
 };

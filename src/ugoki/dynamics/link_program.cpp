@@ -188,6 +188,7 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
     node.turned = d.X_PN.R != Mat3::identity();
     node.massless = d.inertia == Inertia{};
     node.parent = d.parent < 0 ? -1 : place_of[static_cast<std::size_t>(d.parent)];
+    node.level = node.parent < 0 ? 0 : order[static_cast<std::size_t>(node.parent)].level + 1;
     node.q = d.q;
     node.v = d.v;
     if (d.kind == NodeKind::revolute || d.kind == NodeKind::helical) {

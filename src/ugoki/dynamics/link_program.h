@@ -32,6 +32,7 @@ struct NodeOrder {
   bool turned = true;        ///< R is not the identity
   bool massless = false;     ///< mass, h and I are zero
   int parent = -1;           ///< node; -1: the world
+  int level = 0;             ///< nodes above
   int slot = -1;             ///< of a node with several children: where what they pass on is added up
   int q = 0, v = 0;          ///< first coordinate and freedom
   int angle = -1;            ///< place of its angle among those of all revolute and helical nodes
