@@ -172,9 +172,9 @@ class Scratch {
   std::byte* next_;
 };
 
-/// Sines and cosines of `count` angles, q[angle_q] times their sign. s, c: up to 7 more
+/// Sines and cosines of `count` angles, q[angle_q] times their sign. s, c: up to 15 more
 UGOKI_INLINE void sines_of(const double* q, const int* angle_q, const double* angle_sign, int count, double* s, double* c) {
-  using Wide = Lanes<double, UGOKI_DOUBLE_LANES>;
+  using Wide = Lanes<double, 2 * UGOKI_DOUBLE_LANES>;  // two registers at once: each waits for its own polynomials only
   for (int i = 0; i < count; ++i) s[i] = q[angle_q[i]] * angle_sign[i];
   for (int i = count; i % Wide::count != 0; ++i) s[i] = 0;
   for (int i = 0; i < count; i += Wide::count) {
@@ -200,8 +200,8 @@ struct Pass {
   explicit Pass(const KernelArguments<Real, Constant>& arguments)
       : a(arguments),
         scratch(a.scratch),
-        sin(a.sin != nullptr ? reinterpret_cast<T*>(a.sin) : scratch.take<T>(a.angles + 8)),
-        cos(a.sin != nullptr ? reinterpret_cast<T*>(a.cos) : scratch.take<T>(a.angles + 8)),
+        sin(a.sin != nullptr ? reinterpret_cast<T*>(a.sin) : scratch.take<T>(a.angles + 16)),
+        cos(a.sin != nullptr ? reinterpret_cast<T*>(a.cos) : scratch.take<T>(a.angles + 16)),
         E(scratch.take<Mat3T<T>>(a.nodes)),
         wrench(nullptr) {}
 
@@ -211,10 +211,15 @@ struct Pass {
       if (a.sin == nullptr)
         sines_of(a.q, a.angle_q, a.angle_sign, a.angles, reinterpret_cast<double*>(sin), reinterpret_cast<double*>(cos));
     } else {
-      for (int i = 0; i < a.angles; ++i) {
-        const LaneSinCos<T> sc = lane_sin_cos(load<T>(a.q, a.angle_q[i], a.stride) * T(static_cast<Real>(a.angle_sign[i])));
-        sin[i] = sc.sin;
-        cos[i] = sc.cos;
+      // two angles at once: each waits for its own polynomials only
+      using Two = Lanes<Real, 2 * T::count>;
+      for (int i = 0; i < a.angles; i += 2) {
+        Real x[Two::count] = {};
+        for (int k = i; k < i + 2 && k < a.angles; ++k)
+          (load<T>(a.q, a.angle_q[k], a.stride) * T(static_cast<Real>(a.angle_sign[k]))).store(x + (k - i) * T::count);
+        const LaneSinCos<Two> sc = lane_sin_cos(Two::load(x));
+        sc.sin.store(reinterpret_cast<Real*>(sin + i));
+        sc.cos.store(reinterpret_cast<Real*>(cos + i));
       }
     }
     for (int i = 0; i < a.nodes; ++i)

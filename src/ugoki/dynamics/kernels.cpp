@@ -38,7 +38,7 @@ bool use_simd(SimdWidth width) {
 std::size_t scratch_size(int nodes, int nv, int slots, int angles, std::size_t bytes, int instances) {
   // numbers a node, a freedom and a slot take in the most demanding kernel, and the pieces' boundaries of 64 bytes
   const auto n = [](int count) { return static_cast<std::size_t>(count); };
-  const std::size_t numbers = n(nodes + 1) * (9 + 12 + 6 + 18 + 6) + n(nv) * 10 + n(slots) * 27 + n(angles + 8) * 2;
+  const std::size_t numbers = n(nodes + 1) * (9 + 12 + 6 + 18 + 6) + n(nv) * 10 + n(slots) * 27 + n(angles + 16) * 2;
   const std::size_t entries = inertia_entries_at_once + n(nv) + 8 * 8;
   return (numbers + entries) * bytes * n(instances) + 16 * 64;
 }

@@ -58,7 +58,7 @@ struct TwinArguments {
   const int* trunk_node;  ///< [trunk.nodes] of the whole program
   int pair_count;
   int places;
-  const int* angle_q;        ///< [angles] of all: the trunk's, then those of each pair; a multiple of 8
+  const int* angle_q;        ///< [angles] of all: the trunk's, then those of each pair; a multiple of 16
   const double* angle_sign;  ///< [angles]
   int angles;
   Pair pairs[most_pairs];

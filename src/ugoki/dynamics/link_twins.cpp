@@ -149,7 +149,7 @@ class Search {
       for (const int q : pair.angle_q) t_.angle_q.insert(t_.angle_q.end(), {pair.q_of[at(2 * q)], pair.q_of[at(2 * q + 1)]});
       t_.angle_sign.insert(t_.angle_sign.end(), pair.angle_sign.begin(), pair.angle_sign.end());
     }
-    fill_up(8);
+    fill_up(16);
     t_.sines = t_.scratch;
     t_.scratch += 2 * t_.angle_q.size() * sizeof(double);
   }

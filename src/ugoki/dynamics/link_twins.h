@@ -40,7 +40,7 @@ struct LinkTwins {
 
   Part<double> trunk;  ///< q, v: those of the mechanism
   std::vector<Pair> pairs;
-  std::vector<int> angle_q;        ///< [angles] of all parts, coordinates of the mechanism; a multiple of 8
+  std::vector<int> angle_q;        ///< [angles] of all parts, coordinates of the mechanism; a multiple of 16
   std::vector<double> angle_sign;  ///< [angles]
   int places = 0;                  ///< nodes of the trunk that carry twins
   std::size_t sines = 0;           ///< where their sines and cosines stand in the scratch
