@@ -21,10 +21,10 @@ struct Activity {
   std::uint64_t passes = 0;             ///< ticks and refreshes begun: a running LSI is stuck if this does not change for long
 };
 
-/// Reads what another thread writes.
-[[nodiscard]] inline const RunningLsi* running_of(const Activity& a) { return __atomic_load_n(&a.running, __ATOMIC_RELAXED); }
+/// Reads what another thread writes; with it come what the LSI reads: its names, the tick, its inputs.
+[[nodiscard]] inline const RunningLsi* running_of(const Activity& a) { return __atomic_load_n(&a.running, __ATOMIC_ACQUIRE); }
 [[nodiscard]] inline std::uint64_t passes_of(const Activity& a) { return __atomic_load_n(&a.passes, __ATOMIC_RELAXED); }
-inline void set_running(Activity& a, const RunningLsi* lsi) { __atomic_store_n(&a.running, lsi, __ATOMIC_RELAXED); }
+inline void set_running(Activity& a, const RunningLsi* lsi) { __atomic_store_n(&a.running, lsi, __ATOMIC_RELEASE); }
 
 /// "'quotient' (LSI 'divide' of library 'mine')": zero-terminated, cut off where the buffer ends. Allocates nothing.
 /// @return bytes written without the zero

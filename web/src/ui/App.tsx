@@ -69,14 +69,10 @@ function restore_layout(api: DockviewApi): boolean {
 }
 
 export function App(): ReactElement {
-  const theme = useStudio((s) => s.theme);
   const title = useStudio((s) => (s.project ? `${s.project.unsaved ? '• ' : ''}${s.project.name} — Ugoki` : 'Ugoki'));
   const dock = useRef<DockviewApi | null>(null);
   const frame = useRef<HTMLElement>(null);
 
-  useEffect(() => {
-    document.documentElement.dataset.theme = theme;
-  }, [theme]);
   useEffect(() => {
     document.title = title;
   }, [title]);

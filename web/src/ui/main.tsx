@@ -11,6 +11,12 @@ import { expose_hook } from './hook';
 
 register_commands();
 expose_hook();
-document.documentElement.dataset.theme = session.state.theme;
+// before any part of the page hears of another theme: canvases read its colours when they draw
+const show_theme = (): void => {
+  const { theme } = session.state;
+  if (document.documentElement.dataset.theme !== theme) document.documentElement.dataset.theme = theme;
+};
+show_theme();
+session.store.subscribe(show_theme);
 createRoot(document.getElementById('root')!).render(<App />);
 session.start();

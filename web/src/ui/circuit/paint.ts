@@ -21,6 +21,7 @@ const curve_zoom = 0.16;
 const frame_zoom = 0.06;
 const word_zoom = 0.2;
 const pin_zoom = 0.24;
+const widest_value = 240; // px of the plane that a value may take
 /** px; a shorter wire is not seen, and all of them together would only be a haze that costs time. */
 const shortest_wire = 3;
 
@@ -174,6 +175,21 @@ function paint_titles(c: CanvasRenderingContext2D, nodes: readonly ViewNode[], z
   }
 }
 
+/** Room to the right of a place before the next LSI, of those that may be in the way. */
+function room_right_of(x: number, top: number, bottom: number, others: readonly ViewNode[]): number {
+  let room = Infinity;
+  for (const other of others) if (other.y < bottom && other.y + other.height > top && other.x + other.width > x) room = Math.min(room, Math.max(0, other.x - x));
+  return room;
+}
+
+/** As much of a text as has room; nothing where less than its first characters has. */
+function shorten(c: CanvasRenderingContext2D, text: string, room: number): string {
+  const width = c.measureText(text).width;
+  if (width <= room) return text;
+  const letters_left = Math.floor((text.length * room) / width) - 1;
+  return letters_left >= 3 ? `${text.slice(0, letters_left).trimEnd()}…` : '';
+}
+
 /** Values beside output pins, and the time of each LSI in its head. Only `nodes`, which are near and seen. @return values drawn */
 export function paint_values(c: CanvasRenderingContext2D, view: View, viewport: Viewport, nodes: readonly ViewNode[], colors: Colors, editor: CircuitEditor, live: LiveValues, now: number): number {
   const { zoom } = viewport;
@@ -183,8 +199,9 @@ export function paint_values(c: CanvasRenderingContext2D, view: View, viewport: 
   c.translate(viewport.x, viewport.y);
   c.scale(zoom, zoom);
   c.textBaseline = 'middle';
-  for (const at of nodes) {
-    const node = moved(at, editor.drag);
+  const placed = nodes.map((node) => moved(node, editor.drag));
+  for (const node of placed) {
+    const in_the_way = placed.filter((other) => other !== node && other.x + other.width > node.x + node.width && other.x < node.x + node.width + widest_value && other.y < node.y + node.height && other.y + other.height > node.y);
     const us = node.lsi ? live.time_of([...view.level.path, node.id].join('/')) : undefined;
     if (us !== undefined) {
       c.font = `${Math.max(11, 8.5 / zoom)}px ${letters}`;
@@ -198,14 +215,16 @@ export function paint_values(c: CanvasRenderingContext2D, view: View, viewport: 
       const flat = editor.flat_output(node.id, pin.name);
       const value = flat ? live.pin(flat) : undefined;
       if (!value) return;
-      const text = short_value(pin.type, value);
       const [x, y] = pin_offset(node, 'out', i);
+      const top = node.y + y - 4 - small * 1.2;
+      const text = shorten(c, short_value(pin.type, value), room_right_of(node.x + x + 11, top, top + small * 1.25, in_the_way) - 2);
+      if (!text) return;
       const width = c.measureText(text).width;
       const fresh = Math.max(0, 1 - (now - value.changed) / 600);
       c.globalAlpha = 0.85;
       c.fillStyle = colors('--bg');
-      c.fillRect(node.x + x + 9, node.y + y - 4 - small * 1.2, width + 4, small * 1.25);
-      c.globalAlpha = 0.6 + 0.4 * fresh;
+      c.fillRect(node.x + x + 9, top, width + 4, small * 1.25);
+      c.globalAlpha = 0.78 + 0.22 * fresh;
       c.fillStyle = colors(`--pin-${hue_of(pin.type)}`);
       c.fillText(text, node.x + x + 11, node.y + y - 4 - small * 0.56);
       c.globalAlpha = 1;
