@@ -59,6 +59,40 @@ TEST(Swept, ABallOf300MetresASecondDoesNotPassAPlateOf5Millimetres) {
   }
 }
 
+/// The plate is free to move and turn; the ball hits it aslant, away from its middle.
+TEST(Swept, ABallDoesNotPassAFreePlateEither) {
+  for (const double radius : {0.002, 0.02}) {
+    for (const double e : {0.0, 0.5, 1.0}) {
+      for (const double slant : {0.0, 0.35, 0.7}) {
+        Shape ball = Shape::sphere(radius), sheet = Shape::box({0.0025, 0.5, 0.5});
+        ball.restitution = sheet.restitution = e;
+        StepperOptions options;
+        options.gravity = {};
+        World w({body("ball", ball, 8000), body("plate", sheet, 7800)}, {-100, 0, 0}, options);
+        SweptContacts swept(w.scene);
+        GuardedStep guard(w.scene, w.stepper);
+        const Vec3 way{std::cos(slant), 0.6 * std::sin(slant), 0.8 * std::sin(slant)};
+        put(w.states[0], Vec3{-0.0025 - radius, 0.1, -0.07} - way * 0.8);
+        for (int k = 0; k < 3; ++k) w.states[0].v[static_cast<std::size_t>(3 + k)] = 300 * way[k];
+        for (int step = 0; step < 8; ++step) {
+          std::vector<collision::SystemMotion> motions;
+          for (std::size_t i = 0; i < 2; ++i) {
+            calc_poses(w.stepper.mechanism(static_cast<int>(i)), w.states[i].q, w.poses[i]);
+            motions.push_back({w.states[i].q, w.states[i].v});
+          }
+          const Vec3 at = w.poses[1][0].inverse() * w.poses[0][0].p;
+          if (std::max(std::fabs(at.y), std::fabs(at.z)) > 0.5) break;  // it has left the plate over its edge
+          ASSERT_LT(at.x, -0.0025 - radius + 2e-3) << "radius " << radius << " e " << e << " slant " << slant << " step " << step;
+          collision::find_contacts(w.scene, w.spans, 0.02, w.workspace, w.contacts);
+          swept.add(motions, w.spans, 0.002, 0.02, w.contacts);
+          ASSERT_EQ(guard.step(w.systems, w.contacts, 0.002).status, StepStatus::ok);
+        }
+        EXPECT_GT(w.states[1].v[3], 0) << "it should have been hit";
+      }
+    }
+  }
+}
+
 TEST(Swept, WhatFliesPastAPlateIsNotStopped) {
   StepperOptions options;
   options.gravity = {};
