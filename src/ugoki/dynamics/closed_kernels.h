@@ -35,7 +35,8 @@ struct NodeMotion {
   double w[3], v[3];  ///< rad/s; m/s of its origin
   double spin[3];     ///< rad/s: w in the node's axes, where only the rotation is wanted
 };
-enum class NodeWanted : char { nothing, rotation, motion };
+/// Of an end's node its rotation alone or its motion, and those on the way there.
+enum class NodeWanted : char { nothing, passage, rotation, motion };
 
 struct ClosedArguments {
   double dependent;  ///< dependent_row
@@ -53,6 +54,7 @@ struct ClosedArguments {
   const TwinArguments* twins;  ///< of calls by paths; null: none
 
   const NodeWanted* moves;
+  bool world_bound;    ///< only rotations are wanted
   NodeMotion* motion;  ///< [nodes, out of closed_motion] as far as wanted
 
   // In: P holds the loops' wrenches on their own nodes (minus those at link b, plus those at link a), g their residuals.

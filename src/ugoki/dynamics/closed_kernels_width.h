@@ -9,21 +9,19 @@ namespace {
 using One = Lanes<double, 1>;
 using ClosedForward = ForwardKernel<One, LoopPass<One>>;
 
-void store(const V3<One>& v, double* to) {
-  to[0] = v.x.v;
-  to[1] = v.y.v;
-  to[2] = v.z.v;
+template <class T>
+Mat3T<T> of_rows(const V3<T>& x, const V3<T>& y, const V3<T>& z) {
+  return {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z};
 }
 
-Mat3T<One> of_rows(const V3<One>& x, const V3<One>& y, const V3<One>& z) { return {x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}; }
-
-template <Crossing K>
-Mat3T<One> turned(const Pass<One>& pass, const NodeOrder& o, const Mat3T<One>& R) {
-  const RevoluteCrossing<One, K> X = pass.revolute<K>(o);
+template <Crossing K, class P, class T>
+UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, const Mat3T<T>& R) {
+  const RevoluteCrossing<T, K> X = pass.template revolute<K>(o);
   return of_rows(X.down(R.row(0)), X.down(R.row(1)), X.down(R.row(2)));
 }
 /// A matrix whose rows are vectors of the parent, in the axes of node i.
-Mat3T<One> turned(const Pass<One>& pass, const NodeOrder& o, int i, const Mat3T<One>& R) {
+template <class P, class T>
+UGOKI_INLINE Mat3T<T> turned(const P& pass, const NodeOrder& o, int i, const Mat3T<T>& R) {
   switch (o.crossing) {
     case Crossing::none: return turned<Crossing::none>(pass, o, R);
     case Crossing::cycle: return turned<Crossing::cycle>(pass, o, R);
@@ -33,61 +31,111 @@ Mat3T<One> turned(const Pass<One>& pass, const NodeOrder& o, int i, const Mat3T<
   return of_rows(pass.down(i, R.row(0)), pass.down(i, R.row(1)), pass.down(i, R.row(2)));
 }
 
-/// Where a node is and how it moves; `to` has its rotation, `R` is that of the parent.
-void move_node(const ClosedForward& kernel, const KernelArguments<double>& a, const NodeMotion* up, int i, const Mat3T<One>& R,
-               NodeMotion& to) {
+/// NodeMotion in lanes.
+template <class T>
+struct Moving {
+  Mat3T<T> R;
+  V3<T> p, w, v;
+};
+
+/// How a node moves of which R and w are known. @param up its parent
+template <class T, class Kernel, class Arguments>
+UGOKI_INLINE void move_node(const Kernel& kernel, const Arguments& a, const Moving<T>& up, int i, Moving<T>& to) {
   const NodeOrder& o = a.order[i];
-  V3<One> p{0, 0, 0}, w{0, 0, 0}, v{0, 0, 0};
-  if (up != nullptr) {
-    p = vector_of<One>(up->p);
-    w = vector_of<One>(up->w);
-    v = vector_of<One>(up->v);
-  }
-  const V3<One> arm = R * kernel.pass().origin(i);
-  v += cross(w, arm);
+  const auto& k = a.constants[i];
+  const V3<T> arm = up.R * kernel.pass().origin(i);
+  const auto rate = [&](int f) { return load<T>(a.v, o.v + f, a.stride); };
+  to.p = up.p + arm;
+  to.v = up.v + cross(up.w, arm);
   if (o.kind == NodeKind::prismatic || o.kind == NodeKind::helical) {
-    const NodeConstants<double>& k = a.constants[i];
-    const V3<One> z{k.R[2], k.R[5], k.R[8]};
-    v += R * (z * One(k.sign * (o.kind == NodeKind::helical ? k.pitch : 1.0) * a.v[o.v]));
+    const T lead = o.kind == NodeKind::helical ? T(k.sign) * T(k.pitch) : T(k.sign);
+    to.v += up.R * (V3<T>{T(k.R[2]), T(k.R[5]), T(k.R[8])} * (lead * rate(0)));
   }
-  if (o.kind == NodeKind::floating) v += R * (matrix_of<One>(a.constants[i].R) * V3<One>{a.v[o.v + 3], a.v[o.v + 4], a.v[o.v + 5]});
-  store(p + arm, to.p);
-  store(matrix_of<One>(to.R) * kernel.angular_velocity(i), to.w);
-  store(v, to.v);
+  if (o.kind == NodeKind::floating) to.v += up.R * (matrix_of<T>(k.R) * V3<T>{rate(3), rate(4), rate(5)});
 }
 
-/// Motions of the wanted nodes, from the base on.
-void move_nodes(const ClosedForward& kernel, const KernelArguments<double>& a, const ClosedArguments& c) {
+/// Motions of the wanted nodes of a kernel that has turned them, from its base on. @param base how it moves
+/// @param wanted (node) @param give (node, Moving) takes those of ends
+/// @return [nodes] of those that are wanted, behind the kernel's scratch
+template <class T, class Kernel, class Arguments, class Wanted, class Give>
+const Moving<T>* move_nodes(const Kernel& kernel, const Arguments& a, bool rotations, const Moving<T>& base, Wanted&& wanted, Give&& give) {
+  Scratch scratch = kernel.free_scratch();
+  Moving<T>* const all = scratch.take<Moving<T>>(a.nodes);
   for (int i = 0; i < a.nodes; ++i) {
-    if (c.moves[i] == NodeWanted::nothing) continue;
+    const NodeWanted want = wanted(i);
+    if (want == NodeWanted::nothing) continue;
     const NodeOrder& o = a.order[i];
-    NodeMotion& to = c.motion[i];
-    const NodeMotion* const up = o.parent >= 0 ? c.motion + o.parent : nullptr;
-    const Mat3T<One> R_up = up != nullptr ? matrix_of<One>(up->R) : Mat3T<One>::identity();
-    const Mat3T<One> R = turned(kernel.pass(), o, i, R_up);
-    store(R.row(0), to.R);
-    store(R.row(1), to.R + 3);
-    store(R.row(2), to.R + 6);
-    if (c.moves[i] == NodeWanted::motion)
-      move_node(kernel, a, up, i, R_up, to);
+    const Moving<T>& up = o.parent < 0 ? base : all[o.parent];
+    Moving<T>& to = all[i];
+    to.R = turned(kernel.pass(), o, i, up.R);
+    if (!rotations) {
+      to.w = to.R * kernel.angular_velocity(i);
+      move_node(kernel, a, up, i, to);
+    }
+    if (want != NodeWanted::passage) give(i, to);
+  }
+  return all;
+}
+
+/// Lane `lane` of what move_nodes() gives.
+template <class T>
+void store(const Moving<T>& from, bool rotation, const V3<T>& spin, int lane, NodeMotion& to) {
+  const auto number = [&](const T& x) {
+    if constexpr (T::count == 1)
+      return x.v;
     else
-      store(kernel.angular_velocity(i), to.spin);
+      return x.v[lane];
+  };
+  const auto put = [&](const V3<T>& x, double* there) {
+    there[0] = number(x.x);
+    there[1] = number(x.y);
+    there[2] = number(x.z);
+  };
+  for (int k = 0; k < 3; ++k) put(from.R.row(k), to.R + 3 * k);
+  if (rotation) {
+    put(spin, to.spin);
+  } else {
+    put(from.p, to.p);
+    put(from.w, to.w);
+    put(from.v, to.v);
   }
 }
 
 void closed_motion(const KernelArguments<double>& a, const ClosedArguments& c) {
   ClosedForward kernel(a, LoopPass<One>(c));
+  const One none(0);
+  const V3<One> zero{none, none, none};
+  const Moving<One> world{Mat3T<One>::identity(), zero, zero, zero};
   if (c.twins == nullptr) {
     kernel.turn_all();
-  } else {
-    twins::Forward open(*c.twins);
-    open.turn();
-    open.for_each_node([&](int node, const auto& part, int its_node, int lane) {
-      if (c.moves[node] != NodeWanted::nothing) kernel.copy_turning(node, part, its_node, lane);
-    });
-    kernel.rest_base();
+    move_nodes(
+        kernel, a, c.world_bound, world, [&](int i) { return c.moves[i]; },
+        [&](int i, const Moving<One>& m) { store(m, c.world_bound, kernel.angular_velocity(i), 0, c.motion[i]); });
+    return;
   }
-  move_nodes(kernel, a, c);
+  twins::Forward open(*c.twins);
+  open.turn();
+  open.for_each_node([&](int node, const auto& part, int its_node, int lane) {
+    if (c.moves[node] != NodeWanted::nothing) kernel.copy_turning(node, part, its_node, lane);
+  });
+  kernel.rest_base();
+  const twins::Forward::Trunk& trunk = open.trunk();
+  const int* const trunk_node = c.twins->trunk_node;
+  const Moving<One>* const trunk_moving = move_nodes(
+      trunk, c.twins->trunk, c.world_bound, world, [&](int i) { return c.moves[trunk_node[i]]; },
+      [&](int i, const Moving<One>& m) { store(m, c.world_bound, trunk.angular_velocity(i), 0, c.motion[trunk_node[i]]); });
+  open.for_each_pair([&](const auto& pair, const auto& arguments, const TwinArguments::Pair& p) {
+    const NodeWanted* const moves = c.moves;
+    const int* const node = p.node;
+    const auto wanted = [&](int i) { return moves[node[2 * i]] < moves[node[2 * i + 1]] ? moves[node[2 * i + 1]] : moves[node[2 * i]]; };
+    if (wanted(0) == NodeWanted::nothing) return;
+    const Moving<One>& up = trunk_moving[p.base];
+    move_nodes(pair, arguments, c.world_bound,
+               Moving<twins::Two>{twins::both(up.R), twins::both(up.p), twins::both(up.w), twins::both(up.v)}, wanted,
+               [&](int i, const Moving<twins::Two>& m) {
+                 for (int lane = 0; lane < 2; ++lane) store(m, c.world_bound, pair.angular_velocity(i), lane, c.motion[node[2 * i + lane]]);
+               });
+  });
 }
 
 bool closed_forward(const KernelArguments<double>& a, const ClosedArguments& c) {

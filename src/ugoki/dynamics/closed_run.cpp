@@ -80,8 +80,9 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
   world_bound = std::ranges::all_of(over_nodes.entries,
                                     [&](const ClosedStructure::Entry& e) { return is_world_bound(*this, links.loops()[at(e.loop)]); });
   for (const int link : end_links)
-    for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent)
-      moves[at(node)] = world_bound ? NodeWanted::rotation : NodeWanted::motion;
+    for (int node = program.links[at(link)].node; node >= 0; node = program.order[at(node)].parent) moves[at(node)] = NodeWanted::passage;
+  for (const int link : end_links)
+    if (const int node = program.links[at(link)].node; node >= 0) moves[at(node)] = world_bound ? NodeWanted::rotation : NodeWanted::motion;
   P.resize(over_nodes.present.size());
   g.resize(over_nodes.entries.size());
   s.resize(by_paths ? paths.freedom.size() : at(over_nodes.s_slots));
@@ -116,7 +117,7 @@ class ClosedRun {
     } else {
       move_end_links();
       update_loop_rows(m_, p0_, k_.X_WB, k_.V, links_.loops_, q_, v_, false, links_.rows_);
-      std::ranges::fill(k_.P, LoopColumns{});
+      if (!k_.by_paths) std::ranges::fill(k_.P, LoopColumns{});
       for (std::size_t e = 0; e < x_.entries.size(); ++e) begin_loop(e);
     }
     const bool ok = k_.by_paths ? closed_kernels().forward_by_paths(a, c) : closed_kernels().forward(a, c);
@@ -164,6 +165,7 @@ class ClosedRun {
             .paths = &k_.paths,
             .twins = nullptr,
             .moves = k_.moves.data(),
+            .world_bound = k_.world_bound,
             .motion = k_.motion.data(),
             .P = k_.P.data(),
             .g = k_.g.data(),
@@ -208,6 +210,7 @@ class ClosedRun {
     g = {};
     for (int k = 0; k < e.rows; ++k) g.x[k] = links_.rows_.drift[at(x_.row[at(e.first + k)])];
     if (loop.type == LoopType::gear) return;
+    if (k_.by_paths) k_.P[at(e.present_a)] = k_.P[at(e.present_b)] = {};
     add_end(e, loop.link_b, e.present_b, -1, g);
     add_end(e, loop.link_a, e.present_a, 1, g);
   }
@@ -222,13 +225,16 @@ class ClosedRun {
       p = vec(motion.p) - p0_;
       turning = cross(vec(motion.w), vec(motion.v));  // spatial acceleration = acceleration of the origin - w x v
     }
+    const Mat3 along = R.transposed() * sign;
     for (int k = 0; k < e.rows; ++k) {
       const Vec6& w = links_.rows_.W[at(x_.row[at(e.first + k)])];
-      const Vec3 n = transpose_times(R, w.w - cross(p, w.v)), f = transpose_times(R, w.v);
-      for (int c = 0; c < 3; ++c) {
-        P.c[c][k] += sign * n[c];
-        P.c[c + 3][k] += sign * f[c];
-      }
+      const Vec3 n = along * (w.w - cross(p, w.v)), f = along * w.v;
+      P.c[0][k] += n.x;
+      P.c[1][k] += n.y;
+      P.c[2][k] += n.z;
+      P.c[3][k] += f.x;
+      P.c[4][k] += f.y;
+      P.c[5][k] += f.z;
       g.x[k] += sign * dot(w.v, turning);
     }
   }

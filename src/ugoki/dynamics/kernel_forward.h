@@ -172,6 +172,8 @@ class ForwardKernel {
     }
   }
   [[nodiscard]] const Pass<T, Constant>& pass() const { return pass_; }
+  /// Behind what the kernel uses before accelerate(): room for 18 numbers a node and two boundaries.
+  [[nodiscard]] Scratch free_scratch() const { return pass_.scratch; }
 
  private:
   friend class PathForward;

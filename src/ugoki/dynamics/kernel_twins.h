@@ -2,6 +2,9 @@
 // Inverse and forward dynamics and inertia matrix of one instance with twins (link_twins.h): the kernels of the trunk, and of each pair in
 // two lanes. For kernels_*.cpp only.
 
+#include <new>
+#include <type_traits>
+
 #include "ugoki/dynamics/kernel_forward.h"
 #include "ugoki/dynamics/kernel_inertia.h"
 #include "ugoki/dynamics/kernel_inverse.h"
@@ -76,7 +79,11 @@ class Forward {
   using Trunk = ForwardKernel<One>;
   using Twins = ForwardKernel<Two, NoLoops, Both>;
 
-  explicit Forward(const TwinArguments& a) : a_(a), trunk_(a.trunk) {}
+  explicit Forward(const TwinArguments& a) : a_(a), trunk_(a.trunk) {
+    for (int i = 0; i < a.pair_count; ++i) new (pairs_[i].bytes) Pair(a, a.pairs[i]);
+  }
+  Forward(const Forward&) = delete;
+  Forward& operator=(const Forward&) = delete;
 
   /// @return false: singular
   bool run() {
@@ -89,17 +96,16 @@ class Forward {
     prepare(a_);
     trunk_.turn_all();
     for (int i = 0; i < a_.pair_count; ++i) {
-      const Packed packed(a_, a_.pairs[i]);
-      packed.gather();
-      Twins(packed.arguments()).turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
+      Pair& x = pair(i);
+      x.packed.gather();
+      x.kernel.turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
     }
   }
   /// On what turn() left in the scratch.
   void condense() {
     for (int i = 0; i < a_.pair_count; ++i) {
-      Twins pair(Packed(a_, a_.pairs[i]).arguments());
-      pair.condense();
-      take(pair, a_.pairs[i]);
+      pair(i).kernel.condense();
+      take(pair(i).kernel, a_.pairs[i]);
     }
     trunk_.take_twins(handed_on_);
     trunk_.condense();
@@ -107,12 +113,18 @@ class Forward {
   bool move() {
     trunk_.move();
     for (int i = 0; i < a_.pair_count; ++i) {
-      const Packed packed(a_, a_.pairs[i]);
       const Vec6T<One>& base = trunk_.acceleration(a_.pairs[i].base);
-      Twins(packed.arguments()).move({both(base.w), both(base.v)});
-      packed.scatter();
+      pair(i).kernel.move({both(base.w), both(base.v)});
+      pair(i).packed.scatter();
     }
     return !bad_ && !trunk_.bad()[0];
+  }
+
+  [[nodiscard]] const Trunk& trunk() const { return trunk_; }
+  /// f(kernel, its arguments, pair)
+  template <class F>
+  UGOKI_INLINE void for_each_pair(F&& f) {
+    for (int i = 0; i < a_.pair_count; ++i) f(pair(i).kernel, pair(i).packed.arguments(), a_.pairs[i]);
   }
 
   /// f(node of the whole program, kernel, its node, its lane)
@@ -120,13 +132,23 @@ class Forward {
   UGOKI_INLINE void for_each_node(F&& f) {
     for (int i = 0; i < a_.trunk.nodes; ++i) f(a_.trunk_node[i], trunk_, i, 0);
     for (int p = 0; p < a_.pair_count; ++p) {
-      const Packed packed(a_, a_.pairs[p]);
-      Twins pair(packed.arguments());
-      for (int i = 0; i < 2 * packed.arguments().nodes; ++i) f(a_.pairs[p].node[i], pair, i / 2, i % 2);
+      Pair& x = pair(p);
+      for (int i = 0; i < 2 * x.packed.arguments().nodes; ++i) f(a_.pairs[p].node[i], x.kernel, i / 2, i % 2);
     }
   }
 
  private:
+  struct Pair {
+    Pair(const TwinArguments& a, const TwinArguments::Pair& p) : packed(a, p), kernel(packed.arguments()) {}
+    Packed packed;
+    Twins kernel;
+  };
+  static_assert(std::is_trivially_destructible_v<Pair>);
+  struct alignas(Pair) PairMemory {
+    std::byte bytes[sizeof(Pair)];
+  };
+  UGOKI_INLINE Pair& pair(int i) { return *std::launder(reinterpret_cast<Pair*>(pairs_[i].bytes)); }
+
   void take(const Twins& pair, const TwinArguments::Pair& p) {
     const Articulated<Two>& A = pair.handed_on();
     const Articulated<One> sum{total(A.I), total(A.H), total(A.M), total(A.n), total(A.f)};
@@ -139,6 +161,7 @@ class Forward {
 
   const TwinArguments& a_;
   Trunk trunk_;
+  PairMemory pairs_[TwinArguments::most_pairs];  // the first pair_count hold a Pair
   Articulated<One> handed_on_[TwinArguments::most_pairs];
   bool bad_ = false;
 };
