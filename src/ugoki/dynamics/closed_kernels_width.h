@@ -124,15 +124,14 @@ void closed_motion(const KernelArguments<double>& a, const ClosedArguments& c) {
   const Moving<One>* const trunk_moving = move_nodes(
       trunk, c.twins->trunk, c.world_bound, world, [&](int i) { return c.moves[trunk_node[i]]; },
       [&](int i, const Moving<One>& m) { store(m, c.world_bound, trunk.angular_velocity(i), 0, c.motion[trunk_node[i]]); });
-  open.for_each_pair([&](const auto& pair, const auto& arguments, const TwinArguments::Pair& p) {
+  open.for_each_pair([&](const auto& pair, const TwinArguments::Pair& p) {
     const NodeWanted* const moves = c.moves;
     const int* const node = p.node;
     const auto wanted = [&](int i) { return moves[node[2 * i]] < moves[node[2 * i + 1]] ? moves[node[2 * i + 1]] : moves[node[2 * i]]; };
     if (wanted(0) == NodeWanted::nothing) return;
     const Moving<One>& up = trunk_moving[p.base];
-    move_nodes(pair, arguments, c.world_bound,
-               Moving<twins::Two>{twins::both(up.R), twins::both(up.p), twins::both(up.w), twins::both(up.v)}, wanted,
-               [&](int i, const Moving<twins::Two>& m) {
+    move_nodes(pair, p.a, c.world_bound, Moving<twins::Two>{twins::both(up.R), twins::both(up.p), twins::both(up.w), twins::both(up.v)},
+               wanted, [&](int i, const Moving<twins::Two>& m) {
                  for (int lane = 0; lane < 2; ++lane) store(m, c.world_bound, pair.angular_velocity(i), lane, c.motion[node[2 * i + lane]]);
                });
   });

@@ -27,7 +27,7 @@ KernelArguments<double> arguments(const Mechanism& m, Workspace& ws, std::span<c
           .out = nullptr,
           .gravity = {},
           .scratch = ws.scratch.data()->bytes,
-          .entry_place = ws.entry_place.data(),
+          .entry_place = nullptr,
           .stride = 1};
 }
 
@@ -68,6 +68,7 @@ void calc_inertia_rows(const Mechanism& m, Workspace& ws, std::span<const double
   if (ws.chain.empty()) ws.make_rows(m);
   KernelArguments<double> a = arguments(m, ws, q);
   a.out = ws.M.data();
+  a.entry_place = ws.entry_place.data();
   if (ws.twins.pairs.empty())
     kernels().inertia(a);
   else

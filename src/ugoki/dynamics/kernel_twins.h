@@ -30,46 +30,19 @@ UGOKI_INLINE Mat3T<One> total(const Mat3T<Two>& m) {
   return {total(m.xx), total(m.xy), total(m.xz), total(m.yx), total(m.yy), total(m.yz), total(m.zx), total(m.zy), total(m.zz)};
 }
 
-/// A pair's arguments with its numbers side by side, in front of the kernel's scratch.
-class Packed {
- public:
-  Packed(const TwinArguments& whole, const TwinArguments::Pair& pair) : whole_(whole.trunk), pair_(pair), a_(pair.a) {
-    Scratch scratch(a_.scratch);
-    q_ = scratch.take<double>(2 * pair.nq);
-    v_ = scratch.take<double>(2 * a_.nv);
-    in_ = scratch.take<double>(2 * a_.nv);
-    out_ = scratch.take<double>(2 * a_.nv);
-    a_.q = q_;
-    a_.v = v_;
-    a_.in = whole_.in == nullptr ? nullptr : in_;
-    a_.out = out_;
-    a_.scratch = scratch.take<std::byte>(0);
-  }
-  void gather() const {
-    gather_places();
-    for (int i = 0; i < 2 * a_.nv; ++i) v_[i] = whole_.v[pair_.v_of[i]];
-    if (whole_.in == nullptr) return;
-    for (int i = 0; i < 2 * a_.nv; ++i) in_[i] = whole_.in[pair_.v_of[i]];
-  }
-  void gather_places() const {
-    for (int i = 0; i < 2 * pair_.nq; ++i) q_[i] = whole_.q[pair_.q_of[i]];
-  }
-  void scatter() const {
-    for (int i = 0; i < 2 * a_.nv; ++i) whole_.out[pair_.v_of[i]] = out_[i];
-  }
-  [[nodiscard]] const KernelArguments<double, Both>& arguments() const { return a_; }
-  /// The same, but what comes out goes where that of the whole goes.
-  [[nodiscard]] const KernelArguments<double, Both>& arguments_of_whole() {
-    a_.out = whole_.out;
-    return a_;
-  }
-
- private:
-  const KernelArguments<double>& whole_;
-  const TwinArguments::Pair& pair_;
-  KernelArguments<double, Both> a_;
-  double *q_, *v_, *in_, *out_;
-};
+/// Numbers of a pair side by side, from those of the whole and back.
+UGOKI_INLINE void gather_places(const TwinArguments& a, const TwinArguments::Pair& p) {
+  for (int i = 0; i < 2 * p.nq; ++i) p.q[i] = a.trunk.q[p.q_of[i]];
+}
+UGOKI_INLINE void gather(const TwinArguments& a, const TwinArguments::Pair& p) {
+  gather_places(a, p);
+  for (int i = 0; i < 2 * p.a.nv; ++i) p.v[i] = a.trunk.v[p.v_of[i]];
+  if (a.trunk.in == nullptr) return;
+  for (int i = 0; i < 2 * p.a.nv; ++i) p.in[i] = a.trunk.in[p.v_of[i]];
+}
+UGOKI_INLINE void scatter(const TwinArguments& a, const TwinArguments::Pair& p) {
+  for (int i = 0; i < 2 * p.a.nv; ++i) a.trunk.out[p.v_of[i]] = p.a.out[i];
+}
 
 /// Sines and cosines of all parts.
 UGOKI_INLINE void prepare(const TwinArguments& a) { sines_of(a.trunk.q, a.angle_q, a.angle_sign, a.angles, a.trunk.sin, a.trunk.cos); }
@@ -80,7 +53,7 @@ class Forward {
   using Twins = ForwardKernel<Two, NoLoops, Both>;
 
   explicit Forward(const TwinArguments& a) : a_(a), trunk_(a.trunk) {
-    for (int i = 0; i < a.pair_count; ++i) new (pairs_[i].bytes) Pair(a, a.pairs[i]);
+    for (int i = 0; i < a.pair_count; ++i) new (pairs_[i].bytes) Twins(a.pairs[i].a);
   }
   Forward(const Forward&) = delete;
   Forward& operator=(const Forward&) = delete;
@@ -96,16 +69,15 @@ class Forward {
     prepare(a_);
     trunk_.turn_all();
     for (int i = 0; i < a_.pair_count; ++i) {
-      Pair& x = pair(i);
-      x.packed.gather();
-      x.kernel.turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
+      gather(a_, a_.pairs[i]);
+      pair(i).turn_all(both(trunk_.angular_velocity(a_.pairs[i].base)));
     }
   }
   /// On what turn() left in the scratch.
   void condense() {
     for (int i = 0; i < a_.pair_count; ++i) {
-      pair(i).kernel.condense();
-      take(pair(i).kernel, a_.pairs[i]);
+      pair(i).condense();
+      take(pair(i), a_.pairs[i]);
     }
     trunk_.take_twins(handed_on_);
     trunk_.condense();
@@ -114,17 +86,17 @@ class Forward {
     trunk_.move();
     for (int i = 0; i < a_.pair_count; ++i) {
       const Vec6T<One>& base = trunk_.acceleration(a_.pairs[i].base);
-      pair(i).kernel.move({both(base.w), both(base.v)});
-      pair(i).packed.scatter();
+      pair(i).move({both(base.w), both(base.v)});
+      scatter(a_, a_.pairs[i]);
     }
     return !bad_ && !trunk_.bad()[0];
   }
 
   [[nodiscard]] const Trunk& trunk() const { return trunk_; }
-  /// f(kernel, its arguments, pair)
+  /// f(kernel, pair)
   template <class F>
   UGOKI_INLINE void for_each_pair(F&& f) {
-    for (int i = 0; i < a_.pair_count; ++i) f(pair(i).kernel, pair(i).packed.arguments(), a_.pairs[i]);
+    for (int i = 0; i < a_.pair_count; ++i) f(pair(i), a_.pairs[i]);
   }
 
   /// f(node of the whole program, kernel, its node, its lane)
@@ -132,22 +104,17 @@ class Forward {
   UGOKI_INLINE void for_each_node(F&& f) {
     for (int i = 0; i < a_.trunk.nodes; ++i) f(a_.trunk_node[i], trunk_, i, 0);
     for (int p = 0; p < a_.pair_count; ++p) {
-      Pair& x = pair(p);
-      for (int i = 0; i < 2 * x.packed.arguments().nodes; ++i) f(a_.pairs[p].node[i], x.kernel, i / 2, i % 2);
+      Twins& x = pair(p);
+      for (int i = 0; i < 2 * a_.pairs[p].a.nodes; ++i) f(a_.pairs[p].node[i], x, i / 2, i % 2);
     }
   }
 
  private:
-  struct Pair {
-    Pair(const TwinArguments& a, const TwinArguments::Pair& p) : packed(a, p), kernel(packed.arguments()) {}
-    Packed packed;
-    Twins kernel;
+  static_assert(std::is_trivially_destructible_v<Twins>);
+  struct alignas(Twins) PairMemory {
+    std::byte bytes[sizeof(Twins)];
   };
-  static_assert(std::is_trivially_destructible_v<Pair>);
-  struct alignas(Pair) PairMemory {
-    std::byte bytes[sizeof(Pair)];
-  };
-  UGOKI_INLINE Pair& pair(int i) { return *std::launder(reinterpret_cast<Pair*>(pairs_[i].bytes)); }
+  UGOKI_INLINE Twins& pair(int i) { return *std::launder(reinterpret_cast<Twins*>(pairs_[i].bytes)); }
 
   void take(const Twins& pair, const TwinArguments::Pair& p) {
     const Articulated<Two>& A = pair.handed_on();
@@ -161,7 +128,7 @@ class Forward {
 
   const TwinArguments& a_;
   Trunk trunk_;
-  PairMemory pairs_[TwinArguments::most_pairs];  // the first pair_count hold a Pair
+  PairMemory pairs_[TwinArguments::most_pairs];  // the first pair_count hold a kernel
   Articulated<One> handed_on_[TwinArguments::most_pairs];
   bool bad_ = false;
 };
@@ -175,13 +142,12 @@ inline void inverse(const TwinArguments& a) {
   const V3<One> zero{none, none, none};
   trunk.move({{none, none, none, none, none, none, none, none, none}, -vector_of<One>(a.trunk.gravity), zero, zero});
   for (int i = 0; i < a.pair_count; ++i) {
-    const Packed packed(a, a.pairs[i]);
-    packed.gather();
-    Twins pair(packed.arguments());
+    gather(a, a.pairs[i]);
+    Twins pair(a.pairs[i].a);
     const Trunk::Motion& base = trunk.motion(a.pairs[i].base);
     pair.move({both(base.K), both(base.a), both(base.w), both(base.wd)});
     pair.press();
-    packed.scatter();
+    scatter(a, a.pairs[i]);
     trunk.take(a.pairs[i].base, total(pair.handed_on().n), total(pair.handed_on().f));
   }
   trunk.press();
@@ -193,9 +159,8 @@ inline void inertia(const TwinArguments& a) {
   Trunk::Twins handed_on[TwinArguments::most_pairs];
   for (int i = 0; i < a.pair_count; ++i) {
     const TwinArguments::Pair& p = a.pairs[a.pair_count - 1 - i];  // their forces come in rising order
-    Packed packed(a, p);
-    packed.gather_places();
-    InertiaKernel<Two, Both> pair(packed.arguments_of_whole());
+    gather_places(a, p);
+    InertiaKernel<Two, Both> pair(p.a);
     pair.run();
     const InertiaT<Two>& C = pair.handed_on();
     handed_on[i] = {{total(C.mass), total(C.h), total(C.I)}, {}, p.force_begin, 0, p.place};

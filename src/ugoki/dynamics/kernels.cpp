@@ -49,9 +49,9 @@ std::size_t scratch_size(const LinkProgram& program, std::size_t bytes, int inst
 
 const double* acting(std::span<const Vec6> external) {
   static_assert(sizeof(Vec6) == 6 * sizeof(double));
-  bool any = false;  // without a way out of the loop, so that the compiler takes several numbers at once
-  for (const Vec6& f : external) any |= (f.w.x != 0) | (f.w.y != 0) | (f.w.z != 0) | (f.v.x != 0) | (f.v.y != 0) | (f.v.z != 0);
-  return any ? &external.front().w.x : nullptr;
+  for (const Vec6& f : external)
+    if (f.w.x != 0 || f.w.y != 0 || f.w.z != 0 || f.v.x != 0 || f.v.y != 0 || f.v.z != 0) return &external.front().w.x;
+  return nullptr;
 }
 
 }  // namespace ugoki::dynamics

@@ -44,7 +44,8 @@ struct KernelArguments {
 struct TwinArguments {
   static constexpr int most_pairs = 4;
   struct Pair {
-    KernelArguments<double, LaneArray<double, 2>> a;  ///< q, v, in, out: null; taken from the trunk's by `q_of`, `v_of`
+    KernelArguments<double, LaneArray<double, 2>> a;  ///< q, v, in, out: in front of its scratch; the inertia matrix goes out at once
+    double *q, *v, *in;                               ///< those of `a`, to be filled from the trunk's by `q_of`, `v_of`
     int nq;
     const int* q_of;  ///< [nq * 2]
     const int* v_of;  ///< [nv * 2]

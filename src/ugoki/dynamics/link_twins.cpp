@@ -234,11 +234,31 @@ TwinArguments LinkTwins::arguments(const KernelArguments<double>& whole) const {
   out.places = places;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Pair& p = pairs[i];
-    out.pairs[i] = {part_arguments(p, whole), p.nq, p.q_of.data(), p.v_of.data(), p.node.data(), p.base, p.place, p.force_begin, p.first};
-    out.pairs[i].a.scratch = whole.scratch + p.scratch;
-    out.pairs[i].a.stride = 2;
-    out.pairs[i].a.sin = sin + p.angle_begin;
-    out.pairs[i].a.cos = cos + p.angle_begin;
+    TwinArguments::Pair& to = out.pairs[i];
+    to = {part_arguments(p, whole),
+          nullptr,
+          nullptr,
+          nullptr,
+          p.nq,
+          p.q_of.data(),
+          p.v_of.data(),
+          p.node.data(),
+          p.base,
+          p.place,
+          p.force_begin,
+          p.first};
+    std::byte* next = whole.scratch + p.scratch;
+    const auto take = [&](int n) { return reinterpret_cast<double*>(std::exchange(next, next + (at(n) * sizeof(double) + 63) / 64 * 64)); };
+    to.a.q = to.q = take(2 * p.nq);
+    to.a.v = to.v = take(2 * p.nv);
+    to.in = take(2 * p.nv);
+    to.a.in = whole.in == nullptr ? nullptr : to.in;
+    to.a.out = take(2 * p.nv);
+    if (whole.entry_place != nullptr) to.a.out = whole.out;
+    to.a.scratch = next;
+    to.a.stride = 2;
+    to.a.sin = sin + p.angle_begin;
+    to.a.cos = cos + p.angle_begin;
   }
   if (const int* place = whole.entry_place; place != nullptr) {
     for (std::size_t i = pairs.size(); i-- > 0;) {
