@@ -35,7 +35,7 @@ class Setup {
   [[nodiscard]] Shape in(std::size_t pin, std::size_t wire = 0) const { return wire < inputs_[pin].size() ? inputs_[pin][wire] : Shape{}; }
   void set_out(std::size_t pin, std::uint32_t count, int subject = -1);
   void set_state(std::size_t bytes) { state_bytes_ = bytes; }
-  [[nodiscard]] double dt() const { return dt_; }  ///< s, between ticks
+  [[nodiscard]] double dt() const { return dt_; }               ///< s, between ticks
   [[nodiscard]] std::uint32_t every() const { return every_; }  ///< it runs at each `every`-th tick; 0: on demand
 
   /// The host's thing of type T named `name`, or null with a problem reported. T::resource_kind names the kind.

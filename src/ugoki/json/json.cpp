@@ -95,7 +95,8 @@ class FaultFinder : public nlohmann::json_sax<Json> {
 
 /// "name:line"; a name may end with the colon.
 std::string place_of(std::string_view name, std::string_view text, std::size_t offset) {
-  return std::string(name) + (name.ends_with(':') ? "" : ":") + std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n'));
+  return std::string(name) + (name.ends_with(':') ? "" : ":") +
+         std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(offset), '\n'));
 }
 
 std::unexpected<Error> fault(std::string_view text, std::string_view name) {

@@ -28,7 +28,7 @@ struct LinkSpec {
 
 struct MechanismSpec {
   std::string name;
-  std::vector<LinkSpec> links;  ///< any order
+  std::vector<LinkSpec> links;       ///< any order
   std::vector<LoopSpec> loops = {};  ///< beside those of the virtual links
 };
 

@@ -61,7 +61,7 @@ class Retargeting {
   }
 
  private:
-  [[nodiscard]] bool cancelled() const { return o_.cancelled != nullptr && o_.cancelled->load(std::memory_order_relaxed); }
+  [[nodiscard]] bool cancelled() const { return o_.cancelled && o_.cancelled(); }
   [[nodiscard]] double* frame(int f) { return out_.motion.frame(f); }
   [[nodiscard]] const double* posture(int f) const { return postures_.data() + at(f) * at(m_.nq()); }
 
@@ -511,7 +511,7 @@ Retargeted run_with_steps(const Rig& source, const Rig& target, const Motion& mo
         best.report.notes.push_back("Steps are " + to_fixed(100 * (1 - tried.path_scale / usual), 0) +
                                     " % shorter than those of the source, because the legs reach no further within their limits.");
     }
-    if (most < 2e-3 * target.leg_length || options.path_scale > 0 || (options.cancelled != nullptr && *options.cancelled)) break;
+    if (most < 2e-3 * target.leg_length || options.path_scale > 0 || (options.cancelled && options.cancelled())) break;
     tried.path_scale = usual * pow(0.8, i + 1);
   }
   return best;
@@ -546,7 +546,7 @@ Result<Retargeted> retarget(MechanismPtr from, const Motion& motion, MechanismPt
                 "Read it with a floating base (--base floating).");
   const bool around = motion.cyclic && options.keep_contacts && motion.frames >= 3;
   Retargeted out = run_with_steps(*source, *target, around ? motion_edit::three_rounds(motion, *from) : motion, options);
-  if (options.cancelled != nullptr && *options.cancelled)
+  if (options.cancelled && options.cancelled())
     return fail(ErrorCode::cancelled, "motion " + motion.name, "Its retargeting was cancelled.", "");
   if (!around) return out;
   const auto place = [&](int frame) { return root_placement(*to, {out.motion.frame(frame), at(to->nq())}); };

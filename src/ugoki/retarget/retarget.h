@@ -2,7 +2,7 @@
 // Motion for another structure: what one figure does, done by another one of other proportions or another kind.
 // docs/design/retargeting.md says how.
 
-#include <atomic>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,7 +19,7 @@ struct RetargetOptions {
   double gait_phase = 0.5;    ///< two legs to four: fore legs follow the hind legs of their side by this share of a stride (0.5: trot)
   bool balance = false;       ///< the centre of mass is kept over the standing feet (for slow motions of robots)
   bool slow_down = false;     ///< the whole motion is slowed until no joint is faster than the mapping allows
-  const std::atomic<bool>* cancelled = nullptr;  ///< may be set by another thread: the work then ends within a frame, with an error
+  std::function<bool()> cancelled;  ///< asked before each frame; where it says yes, the work ends with an error
 };
 
 /// A limb that did not come where it should.

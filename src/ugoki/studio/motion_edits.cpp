@@ -283,7 +283,7 @@ class Operation {
     f_.boolean("slow", o.slow_down);
     f_.boolean("balance", o.balance);
     if (Result<void> told = options(); !told) return told;
-    o.cancelled = e_.cancelled;
+    o.cancelled = [flag = e_.cancelled] { return flag != nullptr && *flag; };
     Result<retarget::Retargeted> made = retarget::retarget(e_.mechanism, in_, e_.body, o);
     if (!made) return fail(std::move(made.error()));
     for (std::string& line : retarget::describe(made->report)) say(std::move(line));
@@ -375,7 +375,7 @@ class Operation {
       if (check_motion(*e_.other, m_).empty()) return *e_.other;
     }
     retarget::RetargetOptions o;
-    o.cancelled = e_.cancelled;
+    o.cancelled = [flag = e_.cancelled] { return flag != nullptr && *flag; };
     Result<retarget::Retargeted> made = retarget::retarget(e_.other_mechanism, *e_.other, e_.mechanism, o);
     if (!made) return fail(std::move(made.error()));
     say(e_.other->name + " is of another body (" + e_.other_mechanism->name() + ") and was retargeted.");
