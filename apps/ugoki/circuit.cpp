@@ -12,6 +12,7 @@
 #include "fmu.h"
 #include "output.h"
 #include "ugoki/base/number.h"
+#include "ugoki/circuit/breakpoint.h"
 #include "ugoki/circuit/class_json.h"
 #include "ugoki/circuit/example.h"
 #include "ugoki/circuit/interpreter.h"
@@ -67,35 +68,6 @@ Result<std::pair<std::string, std::vector<double>>> read_assignment(const std::s
   }
   if (good) return out;
   return fail(ErrorCode::syntax, option, "'" + text + "' is no assignment of numbers.", "Write it as name=1.5 or name=1,2,3.");
-}
-
-/// "id.pin > 3", "id.pin changes"
-Result<circuit::Breakpoint> read_breakpoint(const std::string& text) {
-  circuit::Breakpoint b;
-  if (text.ends_with(" changes")) {
-    b.pin = text.substr(0, text.size() - 8);
-    b.comparison = circuit::Comparison::changed;
-    return b;
-  }
-  constexpr std::pair<const char*, circuit::Comparison> signs[] = {{"!=", circuit::Comparison::not_equal},
-                                                                   {"==", circuit::Comparison::equal},
-                                                                   {">", circuit::Comparison::above},
-                                                                   {"<", circuit::Comparison::below}};
-  for (const auto& [sign, comparison] : signs) {
-    const auto at = text.find(sign);
-    if (at == std::string::npos) continue;
-    const auto trim = [](std::string s) {
-      s.erase(0, s.find_first_not_of(' '));
-      return s.erase(s.find_last_not_of(' ') + 1);
-    };
-    const auto value = parse_double(trim(text.substr(at + std::strlen(sign))));
-    if (!value) break;
-    b.pin = trim(text.substr(0, at));
-    b.comparison = comparison;
-    b.value = *value;
-    return b;
-  }
-  return fail(ErrorCode::syntax, "--break", "'" + text + "' is no condition.", "Write it as \"id.pin > 3\" or \"id.pin changes\".");
 }
 
 Result<void> apply_inputs(Interpreter& interpreter, const Options& o) {
@@ -173,7 +145,7 @@ int run_inside(const Options& o) {
     return print_error(done.error(), o.json);
   std::vector<circuit::Breakpoint> breakpoints;
   for (const std::string& text : o.breaks) {
-    const Result<circuit::Breakpoint> b = read_breakpoint(text);
+    const Result<circuit::Breakpoint> b = circuit::read_breakpoint(text);
     if (!b) return print_error(b.error(), o.json);
     breakpoints.push_back(*b);
   }
@@ -363,7 +335,7 @@ void add_circuit_verb(CLI::App& app, Action& action) {
   run->add_option("--every", options->every, "Probe each n-th tick only")->check(CLI::Range(1, 1000000));
   run->add_option("--set", options->sets, "Set a parameter: id.parameter=value");
   run->add_option("--input", options->inputs, "Set an input of the circuit: name=value or name=x,y,z");
-  run->add_option("--break", options->breaks, "Stop where a condition becomes true: \"id.pin > 3\"");
+  run->add_option("--break", options->breaks, "Stop where a condition becomes true: \"id.pin > 3\", \"id.pin[2] < 0\", \"id.pin changes\"");
   run->add_option("--record", options->record, "Write all that comes from outside to this file");
   run->add_option("--replay", options->replay, "Give what this file recorded");
   run->add_option("--threads", options->threads, "Run independent LSIs on so many threads")->check(CLI::Range(1, 64));

@@ -8,6 +8,7 @@
 #include "allocation_count.h"
 #include "circuit_test.h"
 #include "ugoki/circuit/activity.h"
+#include "ugoki/circuit/breakpoint.h"
 #include "ugoki/circuit/executor.h"
 
 namespace ugoki::circuit {
@@ -80,6 +81,35 @@ TEST(Observe, BreakpointsAreMetWhereTheConditionBecomesTrue) {
   EXPECT_LE(hits, 4);
   const std::vector<Breakpoint> wrong = {{"x.out", 1, Comparison::above, 0}};
   EXPECT_FALSE(i->set_breakpoints(wrong));
+}
+
+TEST(Observe, ConditionsAreReadAsTheyAreWritten) {
+  struct Case {
+    const char* text;
+    Breakpoint is;
+  };
+  const Case good[] = {{"x.out > 3", {"x.out", 0, Comparison::above, 3}},
+                       {" arm/elbow.out[2]<-1e-3 ", {"arm/elbow.out", 2, Comparison::below, -1e-3}},
+                       {"x.out == 0", {"x.out", 0, Comparison::equal, 0}},
+                       {"x.out = 0", {"x.out", 0, Comparison::equal, 0}},
+                       {"x.out != 2", {"x.out", 0, Comparison::not_equal, 2}},
+                       {"x.out[1] changes", {"x.out", 1, Comparison::changed, 0}},
+                       {"x.pressed becomes true", {"x.pressed", 0, Comparison::above, 0}},
+                       {"input:live.value > 1", {"input:live.value", 0, Comparison::above, 1}}};
+  for (const Case& c : good) {
+    const Result<Breakpoint> b = read_breakpoint(c.text);
+    ASSERT_TRUE(b) << c.text << b.error().text();
+    EXPECT_EQ(b->pin, c.is.pin) << c.text;
+    EXPECT_EQ(b->component, c.is.component) << c.text;
+    EXPECT_EQ(b->comparison, c.is.comparison) << c.text;
+    EXPECT_EQ(b->value, c.is.value) << c.text;
+  }
+  for (const char* bad : {"", "x.out", "x.out >", "x.out > nan", "x.out > 1 2", "> 3", "x > 3", "x. > 3", ".out > 3", "x.out[] > 3",
+                          "x.out[-1] > 3", "x.out[1e9] > 3", "x.out[99999999999999999999] > 3", " changes", "x.out >= 3"}) {
+    const Result<Breakpoint> b = read_breakpoint(bad);
+    ASSERT_FALSE(b) << bad;
+    EXPECT_FALSE(b.error().problems[0].remedy.empty());
+  }
 }
 
 TEST(Observe, LsiByLsiIsTheSameAsTickByTick) {

@@ -253,6 +253,79 @@ TEST_F(CircuitStudioTest, MovingAnLsiLeavesTheSimulationAlone) {
   EXPECT_GT(now["time"].get<double>(), 0.05) << "it still stands where it was";
 }
 
+TEST_F(CircuitStudioTest, ARunStopsAtTheTickThatMeetsABreakpointAndGoesOn) {
+  Page p = page(), other = page();
+  const json hello = p.ask({{"op", "hello"}});
+  EXPECT_EQ(hello["breakpoints"], json::array());
+  const double dt = hello["document"]["step"];
+  ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
+  const auto set = [&](const json& list) { return p.ask({{"op", "breakpoints"}, {"list", list}}); };
+  const json late = {{"condition", "k.time > 0.3"}};
+  ASSERT_EQ(set({late, {{"condition", "g.out > 0.1"}, {"on", false}}})["ok"], true);
+  const json told = other.event("breakpoints");
+  ASSERT_EQ(told["list"].size(), 2u) << told.dump();
+  EXPECT_EQ(told["list"][0], json({{"condition", "k.time > 0.3"}, {"pin", "k.time"}, {"component", 0}, {"on", true}}));
+  EXPECT_EQ(told["list"][1]["on"], false);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+
+  const auto check = [&](const json& hit, double limit) {  // the first tick whose time is above the limit
+    ASSERT_FALSE(hit.is_null());
+    const auto tick = static_cast<std::uint64_t>(limit / dt + 1e-6) + 1;
+    EXPECT_EQ(hit["tick"], tick) << hit.dump();
+    EXPECT_NEAR(hit["value"].get<double>(), static_cast<double>(tick) * dt, 1e-9);
+    EXPECT_NEAR(hit["time"].get<double>(), static_cast<double>(tick + 1) * dt, 1e-9);
+  };
+  const json first = p.event("breakpoint");
+  check(first, 0.3);
+  EXPECT_EQ(first["condition"], "k.time > 0.3");
+  EXPECT_EQ(first["pin"], "k.time");
+  const auto stands = [&] { return p.ask({{"op", "hello"}})["transport"]; };
+  EXPECT_EQ(stands()["playing"], false);
+  EXPECT_EQ(stands()["time"], first["time"]);
+  EXPECT_EQ(stands()["simulated"], first["time"]);
+
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true) << "it goes on";
+  ASSERT_FALSE(p.event("transport", [&](const json& e) { return e["playing"] == true && e["time"] > 0.6; }).is_null());
+  ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
+
+  // What is recorded is computed again: a breakpoint that is set afterwards is met too.
+  ASSERT_EQ(p.ask({{"op", "seek"}, {"time", 0.1}})["ok"], true);
+  ASSERT_EQ(set({late, {{"condition", "g.out > 0.2"}}, {{"condition", "nobody.out > 1"}}})["ok"], true);
+  EXPECT_FALSE(p.event("log", [](const json& e) { return e["text"].get<std::string>().contains("'nobody.out > 1' waits"); }).is_null());
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  check(p.event("breakpoint"), 0.2);
+
+  // Tick by tick from there.
+  const double at = stands()["time"];
+  ASSERT_EQ(p.ask({{"op", "step"}, {"ticks", 1}})["ok"], true);
+  EXPECT_NEAR(stands()["time"].get<double>(), at + dt, 1e-9);
+  EXPECT_NEAR(stands()["simulated"].get<double>(), at + dt, 1e-9);
+
+  // Without any, it runs through.
+  ASSERT_EQ(set(json::array())["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "restart"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  EXPECT_FALSE(p.event("transport", [&](const json& e) { return e["playing"] == true && e["time"] > 0.6; }).is_null());
+}
+
+TEST_F(CircuitStudioTest, MalformedBreakpointsAndSingleTicksAreRefusedInWords) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  const json item = {{"condition", "k.time > 3"}};
+  for (const json& bad : {json{{"op", "breakpoints"}}, json{{"op", "breakpoints"}, {"list", 1}}, json{{"op", "breakpoints"}, {"list", {1}}},
+                          json{{"op", "breakpoints"}, {"list", {{{"condition", "k.time"}}}}},
+                          json{{"op", "breakpoints"}, {"list", {{{"condition", "k.time > 3"}, {"on", 1}}}}},
+                          json{{"op", "breakpoints"}, {"list", json(101, item)}}, json{{"op", "step"}, {"ticks", 2}}}) {
+    const json answer = p.ask(bad);
+    EXPECT_EQ(answer["ok"], false) << bad.dump();
+    EXPECT_FALSE(answer["error"]["problems"][0]["remedy"].get<std::string>().empty()) << answer.dump();
+  }
+  const json refused = p.ask({{"op", "step"}, {"ticks", 1}});
+  EXPECT_EQ(refused["ok"], false);
+  EXPECT_EQ(refused["error"]["problems"][0]["message"], "Single ticks are computed in Simulate only.");
+}
+
 TEST_F(CircuitStudioTest, MalformedWatchesAreRefused) {
   Page p = page();
   for (const json& bad : {json{{"op", "watch"}}, json{{"op", "watch"}, {"pins", "a"}, {"probes", json::array()}, {"timing", true}},

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import { fileURLToPath } from 'node:url';
 import { mock } from './service.mjs';
-import { add, drag, head, ids, pin, spot, state, told, until } from './wiring.mjs';
+import { add, drag, head, ids, pin, spot, state, told, undo, until } from './wiring.mjs';
 
 const pictures = fileURLToPath(new URL('./out/', import.meta.url));
 const skip = mock && 'the mock runs no circuit';
@@ -128,6 +128,55 @@ const journeys = [
       assert.ok((await page.locator('.probe canvas').count()) === 1, 'the curve');
       await page.screenshot({ path: `${pictures}circuit-playing.png` });
       await page.getByRole('button', { name: 'Pause' }).click();
+    },
+  },
+  {
+    name: 'circuit: a run stops where a breakpoint is met, goes on by ticks and without it',
+    async run({ page }) {
+      const transport = () => page.evaluate(() => window.ugoki.transport());
+      const menu = async (name) => {
+        const at = await pin(page, 'clock', 'time', 'out');
+        await page.mouse.click(at.x, at.y, { button: 'right' });
+        await page.getByRole('menuitem', { name }).click();
+      };
+      const edits = (await undo(page)).undo_label;
+      await menu('Stop where…');
+      await page.getByRole('textbox', { name: 'Value' }).fill('0.5');
+      await page.screenshot({ path: `${pictures}circuit-stop-form.png` });
+      await page.keyboard.press('Enter');
+      const mark = page.locator('[data-pin="clock.time"] .stop-dot');
+      await mark.waitFor();
+      assert.equal((await undo(page)).undo_label, edits, 'it is no edit of the circuit');
+      await page.getByRole('button', { name: 'To start' }).click();
+      await page.getByRole('button', { name: 'Play' }).click();
+      await page.locator('.stop-notice').waitFor({ timeout: 30000 });
+      const { step } = await page.evaluate(() => window.ugoki.document());
+      const stopped = await transport();
+      const first = Math.floor(0.5 / step + 1e-6) + 1; // the first tick that is later
+      assert.equal(stopped.playing, false);
+      assert.ok(Math.abs(stopped.time - (first + 1) * step) < 1e-9, `it stands behind that tick: ${stopped.time}`);
+      assert.match(await page.locator('.stop-notice').textContent(), new RegExp(`clock · time > 0\\.5is 0\\.50\\d* at 0\\.50\\d s, tick ${first}`));
+      assert.equal(await page.locator('[data-pin="clock.time"].stop-hit').count(), 1, 'the pin is lit');
+      await page.waitForTimeout(300);
+      await page.screenshot({ path: `${pictures}circuit-stopped.png` });
+      await page.getByRole('button', { name: 'One tick' }).click();
+      await page.locator('.stop-notice').waitFor({ state: 'detached' });
+      assert.ok(Math.abs((await transport()).time - (first + 2) * step) < 1e-9, 'one tick on');
+      await page.getByRole('button', { name: '1 breakpoint' }).click();
+      await page.screenshot({ path: `${pictures}circuit-stop-list.png` });
+      await page.locator('.stop-list input[type=checkbox]').click();
+      await page.locator('[data-pin="clock.time"] .stop-dot.off').waitFor();
+      await page.getByRole('button', { name: '1 breakpoint' }).click();
+      await page.getByRole('button', { name: 'To start' }).click();
+      await page.getByRole('button', { name: 'Play' }).click();
+      const end = Date.now() + 30000;
+      while (!((await transport()).time > 0.8)) {
+        assert.ok(Date.now() < end, 'it runs past the breakpoint that is off');
+        await page.waitForTimeout(60);
+      }
+      await page.getByRole('button', { name: 'Pause' }).click();
+      await menu('Remove breakpoint');
+      await mark.waitFor({ state: 'detached' });
     },
   },
   {

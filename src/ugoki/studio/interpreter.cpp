@@ -67,9 +67,9 @@ Result<void> Interpreter::load(std::span<const std::byte> executable) {
   const double pace = realtime_factor();
   const bool was_playing = playing_;
 
-  watch_.attach(nullptr);
+  look_at(nullptr);
   simulation_ = std::move(*opened);
-  watch_.attach(simulation_->circuit());
+  look_at(simulation_->circuit());
   nearest_.reset();
   begin_recording();
   for (const LiveInput& input : inputs) recording_->add_input(input);
@@ -127,6 +127,8 @@ Result<void> Interpreter::play(std::optional<double> speed) {
     shown_ = 0;
     mode_ == PlayMode::edit ? show_edit(0) : show_recorded(0);
   }
+  if (mode_ == PlayMode::simulate && !playing_ && goal_ == Goal::none && breakpoints_.active())
+    if (Result<void> r = compute_again(); !r) return r;
   if (goal_ == Goal::tick) goal_ = Goal::none;
   playing_ = true;
   status_ = "playing";
@@ -188,6 +190,7 @@ Result<void> Interpreter::restart() {
   if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
   watch_.changed();
   next_input_ = 0;
+  again_until_ = 0;
   held_.mouse.wheel = 0;
   blown_up_ = false;
   shown_ = 0;
@@ -201,9 +204,9 @@ Result<void> Interpreter::restart() {
 
 std::vector<std::string> Interpreter::change_library() {
   if (!simulation_) return {"The installed LSIs changed."};
-  watch_.attach(nullptr);  // what it looks at is in the circuit that goes
+  look_at(nullptr);  // what it looks at is in the circuit that goes
   Result<std::vector<std::string>> told = simulation_->change_library();
-  watch_.attach(simulation_->circuit());
+  look_at(simulation_->circuit());
   if (!told) return {"The installed LSIs changed and no longer fit the content, which goes on with the old ones. " + told.error().text()};
   if (blown_up_) {  // what stopped it may be mended: it can go on from the last good state
     blown_up_ = false;
@@ -228,6 +231,7 @@ void Interpreter::begin_recording() {
   blown_up_ = false;
   goal_ = Goal::none;
   next_input_ = 0;
+  again_until_ = 0;
   record_head();
 }
 
@@ -285,10 +289,12 @@ bool Interpreter::work_on_goal() {
   bool good = true;
   if (goal_ == Goal::tick) {
     apply_due_inputs();
-    good = hold().has_value();
+    good = first < again_until_ || hold().has_value();
   }
-  while (good && simulation_->step_count() < goal_step_ && now - begin < slice_seconds) {
+  met_ = false;
+  while (good && !met_ && simulation_->step_count() < goal_step_ && now - begin < slice_seconds) {
     good = advance_head();
+    met_ = good && goal_ == Goal::tick && breakpoints_.met();
     now = seconds_();
   }
   // A running mean of the pace over about the last second of computing.
@@ -296,7 +302,7 @@ bool Interpreter::work_on_goal() {
   computed_seconds_ = computed_seconds_ * fade + (now - begin);
   computed_steps_ = computed_steps_ * fade + static_cast<double>(simulation_->step_count() - first);
   summary_due_ = true;
-  return !good || simulation_->step_count() >= goal_step_;
+  return !good || met_ || simulation_->step_count() >= goal_step_;
 }
 
 double Interpreter::work() {
@@ -334,8 +340,18 @@ double Interpreter::work() {
   }
   if (goal_ == Goal::tick && work_on_goal()) {
     goal_ = Goal::none;
+    if (met_) {
+      playing_ = false;
+      status_ = "paused";
+    }
     show_head();
-    if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) finish_play();
+    if (met_) {
+      report_transport();
+      report_breakpoint();
+      report_summary();
+    } else if (shown_ >= simulation_->duration() - 0.5 * simulation_->step_size()) {
+      finish_play();
+    }
   }
   report_in_time();
   return 0;

@@ -17,6 +17,7 @@
 
 #include "ugoki/base/result.h"
 #include "ugoki/circuit/devices.h"
+#include "ugoki/studio/circuit_breakpoints.h"
 #include "ugoki/studio/circuit_watch.h"
 #include "ugoki/studio/nearest_pairs.h"
 #include "ugoki/studio/recording.h"
@@ -47,6 +48,8 @@ class Interpreter {
   [[nodiscard]] Result<void> play(std::optional<double> speed);  ///< from the start if it stands at the end
   [[nodiscard]] Result<void> pause();
   [[nodiscard]] Result<void> step_frames(int frames);  ///< display frames, forwards or back; pauses
+  /// One step of dynamics from what is shown; pauses. Where that is recorded, it is computed again with the same inputs.
+  [[nodiscard]] Result<void> step_tick();
   [[nodiscard]] Result<void> seek(double time);
   [[nodiscard]] Result<void> restart();
   /// An installed library changed on disk: the content goes on with it. @return what is to be told
@@ -62,6 +65,10 @@ class Interpreter {
 
   /// What a page wants to see of the running circuit, from now on: events `values`.
   void watch(WatchRequest request);
+
+  /// A run stops after the step that meets one of these (circuit::read_breakpoint), and the event `breakpoint` tells it. While there are
+  /// any, playing computes what is recorded again. Those whose output the circuit does not have wait for a circuit that has it.
+  void set_breakpoints(std::vector<std::string> conditions);
 
   /// Does some milliseconds of what is due. @return s until there is more to do; infinity: nothing until a call
   double work();
@@ -82,6 +89,10 @@ class Interpreter {
   void apply(const LiveInput& input);
   void apply_due_inputs();
   [[nodiscard]] double realtime_factor() const;
+  void look_at(circuit::Interpreter* circuit);
+  void tell(const std::string& warning);
+  [[nodiscard]] Result<void> compute_again();
+  void report_breakpoint();
   void begin_recording();
   [[nodiscard]] Result<void> truncate(std::int64_t step);
   [[nodiscard]] bool advance_head();  ///< one step; false: it blew up and was stopped
@@ -131,6 +142,9 @@ class Interpreter {
   double transport_reported_ = -1, summary_reported_ = -1;
   bool summary_due_ = false;
   CircuitWatch watch_;
+  CircuitBreakpoints breakpoints_;
+  bool met_ = false;              ///< the last work on a goal ended at a breakpoint
+  std::int64_t again_until_ = 0;  ///< step up to which the recorded inputs count, not what the user holds
   bool show_nearest_ = false;
   std::unique_ptr<NearestPairs> nearest_;  ///< made when first shown
   int touches_told_ = 0;                   ///< since the last report

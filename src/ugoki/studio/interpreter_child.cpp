@@ -120,6 +120,7 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   if (op == "mode") return interpreter.set_mode(text_of(request, "mode") == "simulate" ? PlayMode::simulate : PlayMode::edit);
   if (op == "play") return interpreter.play(request.contains("speed") ? std::optional(number_of(request, "speed")) : std::nullopt);
   if (op == "pause") return interpreter.pause();
+  if (op == "step" && request.contains("ticks")) return interpreter.step_tick();
   if (op == "step") return interpreter.step_frames(static_cast<int>(number_of(request, "frames", 1)));
   if (op == "seek") return interpreter.seek(number_of(request, "time"));
   if (op == "restart") return interpreter.restart();
@@ -132,6 +133,10 @@ Result<void> serve(Interpreter& interpreter, const Json& request, const std::vec
   if (op == "watch") {
     interpreter.watch(
         {texts_of(request, "pins"), texts_of(request, "probes"), request.value("timing", false), request.value("nearest", false)});
+    return {};
+  }
+  if (op == "breakpoints") {
+    interpreter.set_breakpoints(texts_of(request, "conditions"));
     return {};
   }
   const std::string character = text_of(request, "character"), link = text_of(request, "link");

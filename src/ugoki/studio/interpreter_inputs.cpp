@@ -82,6 +82,7 @@ Result<void> Interpreter::input(const circuit::DeviceChange& change) {
   const circuit::DeviceState before = held_;
   circuit::apply(change, held_);
   const bool listens = simulation_ && simulation_->devices() && mode_ == PlayMode::simulate && playing_ && goal_ != Goal::seek;
+  if (listens && simulation_->devices()->presses(before, held_)) again_until_ = 0;    // a new future
   if (!listens || shown_ >= head_time() - 0.5 * simulation_->step_size()) return {};  // the next step that is computed takes it
   if (!simulation_->devices()->presses(before, held_)) return {};
   if (Result<void> r = truncate(step_at(shown_)); !r) return r;
@@ -109,6 +110,7 @@ Result<void> Interpreter::live_input(LiveInput input) {
     anchor();
   }
   recording_->truncate(simulation_->step_count() + 1);  // inputs of a future that did not come
+  again_until_ = 0;
   apply_due_inputs();
   input.step = simulation_->step_count();
   recording_->add_input(input);

@@ -133,9 +133,11 @@ Result<std::string> Session::serve(const Request& request, bool& answered) {
     return {};
   }
   if (request.op == "remember") return remember(request);
+  if (request.op == "breakpoints") return set_breakpoints(request);
   const bool physics = request.op == "mode"
                            ? request.json.value("mode", "") == "simulate"
-                           : simulate_ && (request.op == "play" || request.op == "restart" || request.op == "grab" || request.op == "push");
+                           : simulate_ && (request.op == "play" || request.op == "restart" || request.op == "grab" ||
+                                           request.op == "push" || (request.op == "step" && request.json.contains("ticks")));
   if (physics && !circuit_problems_.empty()) return fail(circuit_problems_);
   if (Result<void> r = check_transport(request); !r) return fail(std::move(r.error()));
   if (Result<void> r = forward(request); !r) return fail(std::move(r.error()));
@@ -148,6 +150,7 @@ std::string Session::hello() const {
   fields += ",\"circuit_problems\":" + text_of(json::error_json(circuit_problems_)["problems"]);
   if (!lsis_.empty()) fields += ",\"lsis\":" + lsis_;
   if (!stopped_.empty()) fields += ",\"stopped\":" + stopped_;
+  fields += ",\"breakpoints\":" + breakpoints_;
   if (!devices_.empty()) fields += ",\"devices\":" + devices_;
   return fields;
 }
@@ -276,6 +279,8 @@ Result<void> Session::check_transport(const Request& request) const {
     if (field("mode") != "edit" && field("mode") != "simulate") return Request::wrong("mode", "\"edit\" or \"simulate\"");
   } else if (op == "play") {
     if (!field("speed").is_null() && !request.has_number("speed")) return Request::wrong("speed", "a number");
+  } else if (op == "step" && request.json.contains("ticks")) {
+    if (field("ticks") != 1) return Request::wrong("ticks", "1");
   } else if (op == "step") {
     if (!field("frames").is_number_integer() || (field("frames") != 1 && field("frames") != -1)) return Request::wrong("frames", "1 or -1");
   } else if (op == "seek") {
@@ -395,6 +400,7 @@ Result<void> Session::ensure_interpreter() {
   send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
   if (simulate_) send_to_interpreter(R"({"op":"mode","mode":"simulate"})", {}, {});
   if (!watch_.empty()) send_to_interpreter(watch_, {}, {});
+  if (!breakpoints_request_.empty()) send_to_interpreter(breakpoints_request_, {}, {});
   return {};
 }
 

@@ -94,6 +94,7 @@ class Session {
   [[nodiscard]] Result<std::string> save(const Request& request);
   [[nodiscard]] std::string choices() const;
   [[nodiscard]] Result<std::string> remember(const Request& request) const;
+  [[nodiscard]] Result<std::string> set_breakpoints(const Request& request);  // session_breakpoints.cpp
   [[nodiscard]] Result<void> check_transport(const Request& request) const;
   [[nodiscard]] Result<void> forward(const Request& request);
 
@@ -135,6 +136,8 @@ class Session {
   std::string stopped_;                          ///< newest stopped event, until it runs again; may be empty
   std::filesystem::file_time_type shelf_stamp_;  ///< of the installed libraries when the interpreter was lost
   std::string watch_;                            ///< newest request to watch the circuit, for a new interpreter; may be empty
+  std::string breakpoints_ = "[]";               ///< as the pages know them
+  std::string breakpoints_request_;              ///< those that are on, for a new interpreter; may be empty
   Error circuit_problems_;                       ///< why the content as it is cannot be played; empty: it can
   int last_request_ = 0;
   std::map<int, Pending> pending_;

@@ -1,4 +1,5 @@
 /** Messages between the page and the service: docs/studio-protocol.md, type by type. */
+import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import type { LsiClass, PinType } from './circuit/classes';
 import type { Change, Circuit } from './circuit/form';
 import type { ValuesEvent } from './circuit/live';
@@ -98,6 +99,7 @@ export interface HelloReply extends DocumentState {
   stopped?: StoppedEvent | null;
   /** What the running circuit reads of keyboard, mouse and gamepads. */
   devices?: unknown;
+  breakpoints?: Breakpoint[];
 }
 
 export interface StoppedEvent {
@@ -120,6 +122,8 @@ export type ServiceEvent =
   | { event: 'library' }
   | ({ event: 'lsis' } & LsisEvent)
   | { event: 'devices' }
+  | { event: 'breakpoints'; list: Breakpoint[] }
+  | ({ event: 'breakpoint' } & BreakpointHit)
   | { event: 'circuit'; problems: Problem[] }
   | ({ event: 'values' } & ValuesEvent)
   | ({ event: 'stopped' } & StoppedEvent);
@@ -133,6 +137,8 @@ export type Request =
   | { op: 'mode'; mode: Mode }
   | { op: 'play'; speed?: number }
   | { op: 'step'; frames: 1 | -1 }
+  | { op: 'step'; ticks: 1 }
+  | { op: 'breakpoints'; list: { condition: string; on: boolean }[] }
   | { op: 'seek'; time: number }
   | { op: 'grab'; character: string; link: number; point: Vec3; target: Vec3 }
   | { op: 'drag'; target: Vec3 }

@@ -1,6 +1,7 @@
 /** One page's work with the service: the state, the requests that change it, and what comes back. Framework-free. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import { ClassList } from './circuit/classes';
+import { condition_alone, type Breakpoint } from './circuit/breakpoints';
 import { LiveValues } from './circuit/live';
 import { PlayControls, read_devices } from './play_controls';
 import { Client, LatestOnly, type SocketLike } from './client';
@@ -199,6 +200,11 @@ export class Session {
     this.send({ op: 'step', frames });
   }
 
+  /** One step of dynamics; stops there. */
+  step_tick(): void {
+    this.send({ op: 'step', ticks: 1 });
+  }
+
   restart(): void {
     this.send({ op: 'restart' });
   }
@@ -252,6 +258,22 @@ export class Session {
     if (wanted === this.watched || this.state.connection !== 'open') return;
     this.watched = wanted;
     this.client.request({ op: 'watch', ...this.looked_at, nearest }).catch(() => (this.watched = ''));
+  }
+
+  // ---- breakpoints: those of the service count; each change sends the whole list ----
+
+  private set_breakpoints(list: readonly Breakpoint[]): void {
+    this.send({ op: 'breakpoints', list: list.map(({ condition, on }) => ({ condition, on })) });
+  }
+  add_breakpoint(condition: string): void {
+    const others = this.state.breakpoints.filter((b) => b.condition !== condition);
+    this.set_breakpoints([...others, { condition, pin: '', component: 0, on: true }]);
+  }
+  remove_breakpoints(which: (b: Breakpoint) => boolean): void {
+    this.set_breakpoints(this.state.breakpoints.filter((b) => !which(b)));
+  }
+  switch_breakpoints(which: (b: Breakpoint) => boolean, on: boolean): void {
+    this.set_breakpoints(this.state.breakpoints.map((b) => (which(b) ? { ...b, on } : b)));
   }
 
   private take_lsis(lsis: LsisEvent): void {
@@ -390,6 +412,7 @@ export class Session {
       project: hello.project,
       transport: { ...this.state.transport, ...hello.transport },
       circuit_problems: hello.circuit_problems ?? [],
+      breakpoints: hello.breakpoints ?? [],
       view,
       stopped: hello.stopped?.reason ?? null,
       stop_problems: hello.stopped?.problems ?? [],
@@ -437,6 +460,8 @@ export class Session {
         const { event: _name, ...transport } = event;
         if (transport.mode !== this.state.transport.mode) this.set({ summary: initial_state.summary });
         if ((transport.playing || transport.status === 'ready') && this.state.stop_problems.length > 0) this.set({ stopped: null, stop_problems: [] });
+        const { broken } = this.state;
+        if (broken && (transport.playing || Math.abs(transport.time - broken.time) > 1e-9)) this.set({ broken: null });
         if (transport.playing) this.wanted_speed = null;
         else if (this.wanted_speed !== null) transport.speed = this.wanted_speed;
         this.set({ transport: { ...this.state.transport, ...transport } });
@@ -454,6 +479,15 @@ export class Session {
       case 'devices':
         this.controls.set_devices(read_devices(event));
         break;
+      case 'breakpoints':
+        this.set({ breakpoints: event.list });
+        break;
+      case 'breakpoint': {
+        const { event: _name, ...hit } = event;
+        this.set({ broken: hit });
+        this.log('info', `Stopped at ${hit.time.toFixed(3)} s (tick ${hit.tick}): ${hit.pin} ${condition_alone(hit)}; it is ${hit.value}`);
+        break;
+      }
       case 'circuit':
         this.set({ circuit_problems: event.problems });
         break;

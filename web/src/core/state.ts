@@ -1,6 +1,7 @@
 /** The page's state: what React draws. Frames are not in it; they go from the ring straight to the viewport. */
 import type { ScenarioDocument } from './document';
 import type { KeymapName } from './keymap';
+import type { Breakpoint, BreakpointHit } from './circuit/breakpoints';
 import { ClassList } from './circuit/classes';
 import type { Circuit } from './circuit/form';
 import type { CharacterInfo, LogLine, MechanismData, Problem, ProjectInfo, Summary, Transport } from './protocol';
@@ -63,6 +64,9 @@ export interface StudioState {
   stopped: string | null;
   /** What stopped it, by place, until it runs again. */
   stop_problems: Problem[];
+  /** Where runs stop; and what the run stands at. */
+  breakpoints: readonly Breakpoint[];
+  broken: BreakpointHit | null;
   /** Grows when Session.entry() may answer otherwise than before. */
   library_revision: number;
   mechanisms: Record<string, MechanismData>;
@@ -106,6 +110,8 @@ export const initial_state: StudioState = {
   log: [],
   stopped: null,
   stop_problems: [],
+  breakpoints: [],
+  broken: null,
   library_revision: 0,
   mechanisms: {},
   selection: { kind: 'none' },

@@ -1,6 +1,7 @@
 /** The one session and command list of this page, and React's way to them. */
 import { useStore } from 'zustand';
 import { createStore } from 'zustand/vanilla';
+import { condition_alone } from '../core/circuit/breakpoints';
 import { CircuitEditor, type EditorState } from '../core/circuit/editor';
 import { CommandRegistry } from '../core/commands';
 import type { FigureState } from '../core/frames';
@@ -34,6 +35,12 @@ session.store.subscribe((state, before) => {
   if (state.document === before.document && state.preview === before.preview && state.generated === before.generated && state.classes === before.classes && state.circuit_problems === before.circuit_problems && state.stop_problems === before.stop_problems) return;
   const shown = shown_circuit(state);
   circuit.show(shown.circuit, shown.edited, state.classes, state.circuit_problems, state.stop_problems);
+});
+// the wiring editor shows where a run stopped; while it is not in sight, a notice tells it
+session.store.subscribe((state, before) => {
+  const { broken } = state;
+  if (!broken || broken === before.broken || parts.circuit) return;
+  session.notify(`Stopped at ${broken.time.toFixed(3)} s: ${circuit.name_of(broken.pin)} ${condition_alone(broken)}`);
 });
 // what is selected last, there or elsewhere in the page, is what the inspector shows
 circuit.store.subscribe((state, before) => {

@@ -1,6 +1,7 @@
 /** The wiring editor: what is looked at, selected and being done, and every edit as one command. Framework-free; React only draws it. */
 import { createStore, type StoreApi } from 'zustand/vanilla';
 import type { Problem } from '../protocol';
+import { can_stop_at } from './breakpoints';
 import type { ClassList } from './classes';
 import * as edits from './edits';
 import type { CircuitCommand, Clip } from './edits';
@@ -24,6 +25,8 @@ export interface EditorState {
   connecting: PinAt | null;
   target: PinAt | null;
   search: { at: Point; screen: { x: number; y: number }; fits?: PinAt } | null;
+  /** The output ("arm/elbow.out") whose condition for stopping is being asked for. */
+  stopping: { flat: string; type: string; unit: string; screen: { x: number; y: number } } | null;
   /** Why a wire was refused. */
   refusal: { text: string; screen: { x: number; y: number } } | null;
   problems: readonly CircuitProblem[];
@@ -53,7 +56,7 @@ export class CircuitEditor {
 
   constructor(private readonly host: EditorHost) {
     this.store = createStore<EditorState>(() => ({
-      view: null, edited: false, path: [], nodes: none, wires: none, cursor: null, pin: null, connecting: null, target: null, search: null, refusal: null, problems: [], typing: null, said: '',
+      view: null, edited: false, path: [], nodes: none, wires: none, cursor: null, pin: null, connecting: null, target: null, search: null, stopping: null, refusal: null, problems: [], typing: null, said: '',
     }));
   }
 
@@ -99,7 +102,7 @@ export class CircuitEditor {
       wires: same_place ? filter(this.state.wires, (k) => keys.has(k)) : none,
       cursor: same_place && this.state.cursor && view.node(this.state.cursor) ? this.state.cursor : null,
       pin: same_place && this.state.pin && view.pin(this.state.pin.node, this.state.pin.side, this.state.pin.pin) ? this.state.pin : null,
-      ...(same_place ? {} : { connecting: null, target: null, search: null, refusal: null, typing: null }),
+      ...(same_place ? {} : { connecting: null, target: null, search: null, stopping: null, refusal: null, typing: null }),
     });
   }
 
@@ -250,10 +253,14 @@ export class CircuitEditor {
   set_every(id: string, every: number): void {
     this.with((view) => this.do(edits.set_lsi(view, id, { every }, `Set rate of “${view.node(id)?.title}”`)));
   }
+  /** The output that an input gets its values from; an output is its own. */
+  private source_of(pin: PinAt): PinAt {
+    const wire = pin.side === 'in' ? this.view?.at_pin(pin.node, 'in', pin.pin)[0] : undefined;
+    return wire ? { node: wire.from, side: 'out', pin: wire.from_pin } : pin;
+  }
   toggle_probe(pin: PinAt): void {
     const { view } = this;
-    const source = pin.side === 'in' ? view?.at_pin(pin.node, 'in', pin.pin)[0] : undefined;
-    const at: PinAt = source ? { node: source.from, side: 'out', pin: source.from_pin } : pin;
+    const at = this.source_of(pin);
     const node = view?.node(at.node);
     if (!view || !node?.lsi || at.side === 'in') return;
     this.do(edits.toggle_probe(view, `${at.node}.${at.pin}`, [node.x + node.width + 40, node.y - 120]));
@@ -348,6 +355,28 @@ export class CircuitEditor {
   }
   close_search(): void {
     this.set({ search: null });
+  }
+  /** What a breakpoint at this pin would look at; null: nothing that can be compared. */
+  stop_source(pin: PinAt): { flat: string; type: string; unit: string } | null {
+    const at = this.source_of(pin);
+    const info = at.side === 'out' ? this.view?.pin(at.node, 'out', at.pin) : undefined;
+    const flat = info && can_stop_at(info.type) ? this.flat_output(at.node, at.pin) : null;
+    return info && flat ? { flat, type: info.type, unit: info.unit ?? '' } : null;
+  }
+  ask_stop(pin: PinAt, screen: { x: number; y: number }): void {
+    const source = this.stop_source(pin);
+    if (source) this.set({ stopping: { ...source, screen } });
+    else this.host.notify('A run can be stopped at outputs that carry numbers.');
+  }
+  close_stop(): void {
+    this.set({ stopping: null });
+  }
+  /** "Gain · out" of "arm/gain.out". */
+  name_of(flat: string): string {
+    const [ids, pin] = split_flat(flat);
+    const path = ids.split('/');
+    const lsi = this.circuit && enter(this.circuit, path.slice(0, -1)).circuit.lsis?.find((l) => l.id === path.at(-1));
+    return `${lsi?.label || ids} · ${pin}`;
   }
   type_in(id: string | null): void {
     this.set({ typing: id });

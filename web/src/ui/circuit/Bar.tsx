@@ -2,6 +2,7 @@
 import { useState, type ReactElement, type RefObject } from 'react';
 import { circuit, parts, useCircuit, useStudio } from '../app';
 import { Icon } from '../icons';
+import { BreakpointCount, OneTick } from './Breakpoints';
 
 const most_listed = 40;
 
@@ -21,6 +22,8 @@ export function Bar({ tick, fit, arrange }: { tick: RefObject<HTMLSpanElement | 
             {problems.every((p) => p.stopped) ? 'Stopped' : 'It does not run'}: {problems.length === 1 ? '1 problem' : `${problems.length} problems`}
           </button>
         )}
+        <BreakpointCount />
+        <OneTick />
         {edited && (
           <button type="button" title="The project has a circuit of its own. Back to the one that the generator makes of the scenario; can be undone." onClick={() => circuit.reset_to_generated()}>Reset to generated</button>
         )}

@@ -10,6 +10,7 @@ import { grid, type View } from '../../core/circuit/view';
 import { is_typing } from '../../core/keymap';
 import { circuit, parts, session, useCircuit } from '../app';
 import { Bar } from './Bar';
+import { StopForm, StopNotice } from './Breakpoints';
 import { useDrawing, type Drawing } from './drawing';
 import { ConnectionLine, edge_types, type WireEdgeType } from './edges';
 import type { AnyNode } from './elements';
@@ -101,7 +102,8 @@ function Canvas(): ReactElement {
 
   const press = (event: PointerEvent<HTMLDivElement>): void => {
     const target = event.target as HTMLElement;
-    if (target.closest('.menu, .circuit-search')) return; // theirs
+    if (target.closest('.menu, .circuit-search, .stop-form')) return; // theirs
+    circuit.close_stop();
     pressing.current = true;
     circuit.forget_refusal();
     if (!is_typing(target)) panel.current?.focus({ preventScroll: true });
@@ -110,7 +112,7 @@ function Canvas(): ReactElement {
   };
   const context_menu = (event: MouseEvent<HTMLDivElement>): void => {
     const target = event.target as HTMLElement;
-    if (target.closest('input, textarea, .circuit-search')) return;
+    if (target.closest('input, textarea, .circuit-search, .stop-form')) return;
     event.preventDefault();
     const client = { x: event.clientX, y: event.clientY };
     const items = menu_items(view, target, client, surface, actions);
@@ -196,7 +198,9 @@ function Canvas(): ReactElement {
       <Bar tick={tick} fit={() => framing.fit()} arrange={actions.arrange} />
       {view.nodes.length > least_mapped && <Minimap view={view} viewport={surface.viewport} size={surface.size} go={go} subscribe={drawing.on_paint} />}
       {view.nodes.length === 0 && <div className="circuit-empty">Nothing is here yet. Press Tab or double-click to add an LSI.</div>}
+      <StopNotice />
       <Search origin={surface.origin} />
+      <StopForm origin={surface.origin} />
       <Refusal origin={surface.origin} />
       {menu && <Menu {...menu} close={() => set_menu(null)} />}
       <div className="unseen" role="status" aria-live="polite">{said}</div>

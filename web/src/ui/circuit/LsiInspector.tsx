@@ -221,6 +221,9 @@ function LiveValue({ node, pin, probe }: { node: string; pin: PinInfo | undefine
       <output ref={text} />
       {pin.unit && <span className="unit">{pin.unit}</span>}
       {probe && <button type="button" className="quiet" onClick={() => circuit.toggle_probe({ node, side: 'out', pin: pin.name })}>Probe</button>}
+      {probe && circuit.stop_source({ node, side: 'out', pin: pin.name }) && (
+        <button type="button" className="quiet" title="Stop the run where a condition is met" onClick={(e) => circuit.ask_stop({ node, side: 'out', pin: pin.name }, { x: e.clientX - 320, y: e.clientY })}>Stop…</button>
+      )}
     </div>
   );
 }

@@ -3,7 +3,7 @@ import type { KeyboardEvent } from 'react';
 import type { Point } from '../../core/circuit/form';
 import type { Direction } from '../../core/circuit/navigate';
 import { is_typing } from '../../core/keymap';
-import { circuit } from '../app';
+import { circuit, session } from '../app';
 import { copy, paste } from './clipboard';
 import type { CanvasActions } from './menu_items';
 import type { Surface } from './surface';
@@ -67,6 +67,15 @@ function letter_key(event: KeyboardEvent, surface: Surface, actions: CanvasActio
       else if (chosen && output) circuit.toggle_probe({ node: chosen, side: 'out', pin: output.name });
       return true;
     }
+    case 'b': {
+      const output = chosen ? view?.node(chosen)?.outputs[0] : undefined;
+      const at = pin ?? (chosen && output ? { node: chosen, side: 'out' as const, pin: output.name } : null);
+      if (!at) return false;
+      const node = view?.node(at.node);
+      circuit.ask_stop(at, node ? surface.flow.flowToScreenPosition({ x: node.x + node.width + 20, y: node.y }) : surface.here());
+      return true;
+    }
+    case 't': session.step_tick(); return true;
     case 'F2': if (!chosen) return false; circuit.type_in(chosen); return true;
     case 'shift c': if (!chosen) return false; circuit.type_in(`comment:${chosen}`); return true;
     case 'shift l': actions.arrange(); return true;

@@ -1,7 +1,7 @@
 /** What the right button offers, by what is under it. */
 import type { PinAt } from '../../core/circuit/fits';
 import type { View } from '../../core/circuit/view';
-import { circuit } from '../app';
+import { circuit, session } from '../app';
 import { copy, paste } from './clipboard';
 import type { MenuItem } from '../Menu';
 import type { Client, Surface } from './surface';
@@ -36,9 +36,26 @@ function pin_items(view: View, pin: PinAt, client: Client, actions: CanvasAction
   const own = kind === 'inputs' || kind === 'outputs' ? kind : null;
   return [
     { label: view.probes.some((p) => p.pin === `${pin.node}.${pin.pin}`) ? 'Remove probe' : 'Probe', key: 'P', run: () => circuit.toggle_probe(pin), disabled: own !== null },
+    ...stop_items(pin, client),
     { label: wires.length > 1 ? `Remove ${wires.length} wires` : 'Remove wire', run: () => circuit.disconnect(wires), disabled: wires.length === 0 },
     { label: 'Add what fits…', run: () => actions.open_search(client, pin) },
     ...(own ? [{ label: `Remove pin “${pin.pin}”`, run: () => circuit.remove_pin(own, pin.pin) }] : []),
+  ];
+}
+
+function stop_items(pin: PinAt, client: Client): MenuItem[] {
+  const source = circuit.stop_source(pin);
+  const here = session.state.breakpoints.filter((b) => b.pin === source?.flat);
+  const mine = (b: { pin: string }): boolean => b.pin === source?.flat;
+  const on = here.some((b) => b.on);
+  return [
+    { label: 'Stop where…', key: 'B', run: () => circuit.ask_stop(pin, client), disabled: source === null },
+    ...(here.length > 0
+      ? [
+          { label: on ? 'Switch breakpoint off' : 'Switch breakpoint on', run: () => session.switch_breakpoints(mine, !on) },
+          { label: here.length > 1 ? `Remove ${here.length} breakpoints` : 'Remove breakpoint', run: () => session.remove_breakpoints(mine) },
+        ]
+      : []),
   ];
 }
 

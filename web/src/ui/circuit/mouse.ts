@@ -164,7 +164,7 @@ function* ids_in(view: View, area: Box): Generator<string> {
 /** A double click goes inside a circuit, renames an LSI, comes near from afar, or opens the search. */
 export function double_click(event: MouseEvent<HTMLDivElement>, at_point: (client: Client) => ViewNode | undefined, surface: Surface, open_search: (client: Client) => void): void {
   const target = event.target as HTMLElement;
-  if (target.closest('.circuit-search, .menu, .circuit-bar, .circuit-map, .note, .probe, .problem-bubble, input, textarea')) return;
+  if (target.closest('.circuit-search, .stop-form, .stop-notice, .menu, .circuit-bar, .circuit-map, .note, .probe, .problem-bubble, input, textarea')) return;
   const lsi = target.closest<HTMLElement>('[data-lsi]')?.dataset.lsi;
   if (lsi !== undefined) {
     if (circuit.view?.node(lsi)?.kind === 'circuit') circuit.go_inside(lsi);

@@ -6,7 +6,7 @@ import { same_pin, why_not } from '../../core/circuit/fits';
 import type { Note, Probe } from '../../core/circuit/form';
 import { describe_node } from '../../core/circuit/navigate';
 import { head_height, new_pin, pin_offset, type PinInfo, type ViewNode } from '../../core/circuit/view';
-import { circuit, useCircuit } from '../app';
+import { circuit, useCircuit, useStudio } from '../app';
 import { ProblemBubble } from './ProblemBubble';
 import { ProbeCurve } from './ProbeCurve';
 
@@ -23,12 +23,20 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
   const at = useCircuit((s) => same_pin(s.pin, own));
   const target = useCircuit((s) => same_pin(s.target, own));
   const bad = useCircuit((s) => pin.side === 'out' && s.problems.length > 0 && s.problems.some((p) => p.pin === pin.name && p.lsi === [...s.path, node.id].join('/')));
+  // 'on', 'off', 'hit', or '' where no run stops
+  const stop = useStudio((s) => {
+    if (pin.side === 'in' || s.breakpoints.length === 0) return '';
+    const flat = circuit.flat_output(node.id, pin.name);
+    if (s.broken !== null && s.broken.pin === flat) return 'hit';
+    const here = s.breakpoints.filter((b) => b.pin === flat);
+    return here.length === 0 ? '' : here.some((b) => b.on) ? 'on' : 'off';
+  });
   let fit = '';
   if (connecting && circuit.view) fit = same_pin(connecting, own) ? ' source' : why_not(circuit.view, connecting, own) === null ? ' fits' : ' unfit';
   const [, y] = pin_offset(node, pin.side, index);
   const fresh = pin.name === new_pin;
   return (
-    <div className={`pin-row ${pin.side}${fit}${pin.wired ? ' wired' : ''}${at ? ' at' : ''}${target ? ' target' : ''}${bad ? ' bad-pin' : ''}`} style={{ top: y - 11 }} title={fresh ? 'A wire to here makes a new pin of the circuit' : pin_title(pin)} data-pin={`${node.id}.${pin.name}`} data-side={pin.side}>
+    <div className={`pin-row ${pin.side}${fit}${pin.wired ? ' wired' : ''}${at ? ' at' : ''}${target ? ' target' : ''}${bad ? ' bad-pin' : ''}${stop ? ` stop-${stop}` : ''}`} style={{ top: y - 11 }} title={fresh ? 'A wire to here makes a new pin of the circuit' : pin_title(pin)} data-pin={`${node.id}.${pin.name}`} data-side={pin.side}>
       <Handle
         type={pin.side === 'in' ? 'target' : 'source'}
         position={pin.side === 'in' ? Position.Left : Position.Right}
@@ -40,6 +48,7 @@ function Pin({ node, pin, index }: { node: ViewNode; pin: PinInfo; index: number
           circuit.toggle_probe(own);
         }}
       />
+      {stop && <span className={`stop-dot${stop === 'off' ? ' off' : ''}`} title={stop === 'off' ? 'A breakpoint that is switched off' : stop === 'hit' ? 'The run stopped here' : 'Runs stop where this meets a condition'} />}
       <span className="pin-name">{fresh ? 'new pin' : pin.name}</span>
       {pin.side === 'in' && pin.required && !pin.wired && node.lsi && node.lsi.values?.[pin.name] === undefined && node.kind !== 'missing' && <span className="open-mark" title="It does not run without a wire or a value">○</span>}
     </div>

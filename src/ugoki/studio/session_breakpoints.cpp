@@ -1,0 +1,39 @@
+// Breakpoints of the open project's circuit: all pages share them, and each new interpreter gets them.
+
+#include "ugoki/circuit/breakpoint.h"
+#include "ugoki/studio/session_request.h"
+
+namespace ugoki::studio {
+
+using json::Json;
+
+Result<std::string> Session::set_breakpoints(const Request& request) {
+  constexpr std::size_t most = 100;
+  const auto list = request.json.find("list");
+  if (list == request.json.end() || !list->is_array() || list->size() > most)
+    return Request::wrong("list", "a list of at most " + std::to_string(most) + " breakpoints");
+  Json kept = Json::array(), conditions = Json::array();
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const Json& item = (*list)[i];
+    const std::string place = "list/" + std::to_string(i);
+    if (!item.is_object() || !item.contains("condition") || !item["condition"].is_string())
+      return Request::wrong(place, "an object with a \"condition\"");
+    if (item.contains("on") && !item["on"].is_boolean()) return Request::wrong(place + "/on", "true or false");
+    const std::string condition = item["condition"].get<std::string>();
+    Result<circuit::Breakpoint> read = circuit::read_breakpoint(condition);
+    if (!read) {
+      for (Problem& problem : read.error().problems) problem.place = place + "/" + problem.place;
+      return fail(std::move(read.error()));
+    }
+    const bool on = item.value("on", true);
+    kept.push_back({{"condition", condition}, {"pin", read->pin}, {"component", read->component}, {"on", on}});
+    if (on) conditions.push_back(condition);
+  }
+  breakpoints_ = json::to_text(kept);
+  breakpoints_request_ = json::to_text({{"op", "breakpoints"}, {"conditions", conditions}});
+  send_to_interpreter(breakpoints_request_, {}, {});
+  outbox_.broadcast("{\"event\":\"breakpoints\",\"list\":" + breakpoints_ + "}");
+  return "";
+}
+
+}  // namespace ugoki::studio
