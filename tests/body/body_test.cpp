@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "measured_files.h"
+#include "ugoki/body/anatomy.h"
 #include "ugoki/body/segments.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/contact_labels.h"
@@ -276,6 +277,30 @@ TEST(SlowBody, EverySharedHuman) {
     const auto body = make_body(measured);
     ASSERT_TRUE(body.has_value()) << body.error().text();
     check_human(measured, *body);
+  }
+}
+
+TEST(BodyTest, FigureWithoutNamesIsFoundWhereverItLooks) {
+  const Skeleton named = testing::made_figure(1).skeleton;
+  const Anatomy expected = find_anatomy(named);
+  ASSERT_TRUE(expected.human) << expected.why_not;
+  for (const double degrees : {0.0, 30.0, 90.0, 135.0, 180.0, 250.0, 270.0, 330.0}) {
+    const double c = std::cos(degrees * pi / 180), s = std::sin(degrees * pi / 180);
+    const Mat3 turn = Mat3::columns({c, s, 0}, {-s, c, 0}, {0, 0, 1});
+    Skeleton nameless = named;
+    for (std::size_t i = 0; i < nameless.joints.size(); ++i) {
+      SkeletonJoint& joint = nameless.joints[i];
+      joint.name = "node_" + std::to_string(i);
+      joint.offset = turn * joint.offset;
+      for (Vec3& e : joint.end_sites) e = turn * e;
+    }
+    const Anatomy found = find_anatomy(nameless);
+    ASSERT_TRUE(found.human) << degrees << " degrees: " << found.why_not;
+    for (std::size_t i = 0; i < nameless.joints.size(); ++i) {
+      const Place a = expected.places[i], b = found.places[i];
+      EXPECT_EQ(a.part, b.part) << named.joints[i].name << ", " << degrees << " degrees";
+      EXPECT_EQ(a.side, b.side) << named.joints[i].name << ", " << degrees << " degrees";
+    }
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "ugoki/formats/bvh.h"
 #include "ugoki/formats/mechanism_json.h"
 #include "ugoki/formats/motion_binary.h"
@@ -78,6 +80,27 @@ TEST(Intake, DescriptionsOfRobotsAreEntriesThatCanBeReadAgain) {
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_EQ((*again)->mass(), 3);
   EXPECT_FALSE(take_in("<html/>", "page.xml"));
+}
+
+TEST(Intake, TwoFiguresInOneFileAreTold) {
+  const auto nodes = [](int figures) {  // chains of five
+    std::string list;
+    for (int i = 0; i < 5 * figures; ++i) {
+      const std::string next = i % 5 < 4 ? R"(, "children": [)" + std::to_string(i + 1) + "]" : "";
+      list += (i ? ", " : "") + std::string(R"({"translation": [0, 0.3, 0])") + next + "}";
+    }
+    return R"({"asset": {"version": "2.0"}, "nodes": [)" + list + "]}";
+  };
+  const auto told = [](const std::string& text) {
+    const auto intake = take_in(text, "chains.gltf");
+    EXPECT_TRUE(intake) << intake.error().text();
+    return intake && std::ranges::any_of(intake->conversion.check, [](const std::string& line) {
+             return line.find("2 figures that do not hang together (roots node_0, node_5)") != std::string::npos &&
+                    line.find("a file of its own") != std::string::npos;
+           });
+  };
+  EXPECT_TRUE(told(nodes(2)));
+  EXPECT_FALSE(told(nodes(1)));
 }
 
 TEST(Intake, RefusesWithPlaceAndRemedy) {

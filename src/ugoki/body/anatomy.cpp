@@ -58,6 +58,11 @@ class Finder {
     a_.human = a_.why_not.empty();
     if (!a_.human) {
       a_.places.assign(at(n_), {});
+      if (by_shape_) {  // what is no figure has no left
+        a_.R_WA = Mat3::identity();
+        a_.p = rest_positions(s_);
+        find_bones();
+      }
       return std::move(a_);
     }
     find_mirror();
@@ -65,7 +70,7 @@ class Finder {
   }
 
  private:
-  /// Left is where joints named left lie; without such names it is y.
+  /// Left is where joints named left lie; without such names the shape tells it.
   void turn_to_anatomical_axes() {
     Vec3 left{};
     for (int i = 0; i < n_; ++i) {
@@ -76,11 +81,61 @@ class Finder {
       const Vec3 d = a_.p[at(i)] - a_.p[static_cast<std::size_t>(it - names_.begin())];
       left += Vec3{d.x, d.y, 0};
     }
+    by_shape_ = norm(left) <= 1e-6;
+    if (by_shape_) left = left_by_shape();
     if (norm(left) > 1e-6) {
       left = normalized(left);
-      if (left.y < 0.85) a_.R_WA = Mat3::columns(cross(left, Vec3{0, 0, 1}), left, {0, 0, 1});
+      if (left.y < (by_shape_ ? 0.98 : 0.85)) a_.R_WA = Mat3::columns(cross(left, Vec3{0, 0, 1}), left, {0, 0, 1});
     }
     for (Vec3& p : a_.p) p = transpose_times(a_.R_WA, p);
+  }
+
+  /// Horizontal, across the plane that legs and arms are mirrored in; the toes point forward. Zero: nothing is mirrored.
+  [[nodiscard]] Vec3 left_by_shape() const {
+    std::vector<double> length(at(n_));  // of all that hangs on a joint
+    std::vector<int> count(at(n_));
+    for (int i = n_ - 1; i >= 0; --i)
+      for (const int c : a_.children[at(i)]) {
+        length[at(i)] += length[at(c)] + norm(s_.joints[at(c)].offset);
+        count[at(i)] += 1 + count[at(c)];
+      }
+    double xx = 0, xy = 0, yy = 0;
+    for (const std::vector<int>& siblings : a_.children)
+      for (std::size_t k = 0; k < siblings.size(); ++k)
+        for (std::size_t l = 0; l < k; ++l) {
+          const int i = siblings[k], j = siblings[l];
+          const double weight = length[at(i)] + length[at(j)];
+          if (count[at(i)] != count[at(j)] || std::fabs(length[at(i)] - length[at(j)]) > 0.02 * weight) continue;
+          const Vec3 d = a_.p[at(i)] - a_.p[at(j)];
+          xx += weight * d.x * d.x;
+          xy += weight * d.x * d.y;
+          yy += weight * d.y * d.y;
+        }
+    if (!(xx + yy > 0)) return {};
+    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+    Vec3 left{std::cos(angle), std::sin(angle), 0};
+    if (left.y < 0) left = -left;
+    const double forward = dot(toes_point(), cross(left, Vec3{0, 0, 1}));
+    return forward < 0 ? -left : left;
+  }
+
+  /// Sum over the lowest ends of their horizontal way from the joint before, where they point more than steeply down.
+  [[nodiscard]] Vec3 toes_point() const {
+    double low = 1e300, high = -1e300;
+    for (const Vec3& p : a_.p) {
+      low = std::min(low, p.z);
+      high = std::max(high, p.z);
+    }
+    Vec3 sum{};
+    for (int i = 0; i < n_; ++i) {
+      const int parent = s_.joints[at(i)].parent;
+      if (!a_.children[at(i)].empty() || parent < 0 || a_.p[at(i)].z > low + 0.1 * (high - low)) continue;
+      Vec3 way = a_.p[at(i)] - a_.p[at(parent)];
+      for (const Vec3& e : s_.joints[at(i)].end_sites) way += e;
+      const Vec3 flat{way.x, way.y, 0};
+      if (norm(flat) > 0.35 * norm(way)) sum += flat;
+    }
+    return sum;
   }
 
   /// Farthest point of the bone that starts at joint i: child or end site.
@@ -299,6 +354,7 @@ class Finder {
   const Skeleton& s_;
   int n_;
   std::vector<std::string> names_;
+  bool by_shape_ = false;  // no names tell left from right
   Anatomy a_;
 };
 

@@ -39,8 +39,8 @@ struct Anatomy {
   [[nodiscard]] Vec3 symmetric_bone(int i) const;
 };
 
-/// Finds pelvis, trunk, neck, head, legs and arms from the tree's shape at rest; names tell left from right (where the
-/// figure does not look along x), collar bones, wrists and thumbs.
+/// Finds pelvis, trunk, neck, head, legs and arms from the tree's shape at rest; names tell left from right,
+/// collar bones, wrists and thumbs. Without names for left and right, mirrored limbs tell across, and toes forward.
 [[nodiscard]] Anatomy find_anatomy(const Skeleton& skeleton);
 
 /// Words for people and for matching: "thigh left".

@@ -15,7 +15,8 @@ struct Words {
 };
 const std::vector<Words>& parts_by_words() {
   static const std::vector<Words> all = {
-      {&ConversionReport::check, {"poor fit", "not believed", "no person's size", "give the unit", "turn over from one frame", "give --"}},
+      {&ConversionReport::check,
+       {"poor fit", "not believed", "no person's size", "give the unit", "turn over from one frame", "give --", "figures that do not"}},
       {&ConversionReport::left_out,
        {"left out", "not read", "passed over", "Not used", "not used", "ignored", "cannot be used", "skipped", "dropped", "are not taken",
         "is not taken", "not there", "absent"}},

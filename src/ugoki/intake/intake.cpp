@@ -107,6 +107,24 @@ void correct(std::vector<MeasuredMotion>& motions, const formats::ReadNotes& not
   }
 }
 
+/// A sentence where several figures stand in one skeleton: it becomes one body. Trees of few joints are things that somebody holds.
+std::string several_figures(const Skeleton& skeleton) {
+  constexpr int least_joints = 5;
+  std::vector<int> root, count(skeleton.joints.size());
+  for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    root.push_back(parent < 0 ? static_cast<int>(j) : root[static_cast<std::size_t>(parent)]);
+    ++count[static_cast<std::size_t>(root.back())];
+  }
+  std::string names;
+  const auto figures = std::ranges::count_if(count, [](int n) { return n >= least_joints; });
+  if (figures < 2) return {};
+  for (std::size_t j = 0; j < count.size(); ++j)
+    if (count[j] >= least_joints) names += (names.empty() ? "" : ", ") + skeleton.joints[j].name;
+  return "The file holds " + std::to_string(figures) + " figures that do not hang together (roots " + names +
+         "); they become one body, of which one figure at most is recognised as a human. Export each into a file of its own.";
+}
+
 /// @param motions at least one, all on the same skeleton
 Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadNotes notes, std::string_view file_name,
                              const IntakeOptions& options) {
@@ -122,6 +140,7 @@ Result<Intake> from_measured(std::vector<MeasuredMotion> motions, formats::ReadN
   for (const std::string& joint : leave_out_bearers(motions))
     notes.remarks.push_back("Joint " + joint + " only carries " + motions[0].skeleton.joints[0].name +
                             ", which moves against it; it is left out, and its movement is that joint's.");
+  if (std::string sentence = several_figures(motions[0].skeleton); !sentence.empty()) notes.remarks.push_back(std::move(sentence));
   describe(out.conversion, motions);
   if (notes.unit_guessed) out.report.push_back("Unit of length guessed: " + to_text(notes.metres_per_unit) + " m.");
   out.report.insert(out.report.end(), notes.remarks.begin(), notes.remarks.end());
