@@ -15,22 +15,13 @@
 #include <span>
 #include <thread>
 
+#include "ugoki/base/shadow_memory.h"
+
 namespace ugoki::plugin {
 namespace {
 
 constexpr int crash_status = 70;
 constexpr std::chrono::milliseconds look_every{100};
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool limits_memory = false;  // their shadow counts as well
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool limits_memory = false;
-#else
-constexpr bool limits_memory = true;
-#endif
-#else
-constexpr bool limits_memory = true;
-#endif
 
 int words_fd = -1;
 std::atomic<bool> ended = false;
@@ -138,7 +129,7 @@ void on_exit() {
 
 /// Half of the machine's memory: an LSI that allocates for ever then runs out of it here, and not the studio with its project.
 void limit_memory() {
-  if (!limits_memory) return;
+  if (has_shadow_memory) return;
   const auto half = static_cast<rlim_t>(::sysconf(_SC_PHYS_PAGES)) / 2 * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
   rlimit limit{};
   if (::getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur <= half) return;

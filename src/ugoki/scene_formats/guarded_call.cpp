@@ -16,20 +16,10 @@
 #include <cstring>
 #include <new>
 
+#include "ugoki/base/shadow_memory.h"
+
 namespace ugoki::scene_formats {
 namespace {
-
-#if defined(__SANITIZE_ADDRESS__)
-constexpr bool limits_memory = false;  // its shadow memory needs terabytes of addresses
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-constexpr bool limits_memory = false;
-#else
-constexpr bool limits_memory = true;
-#endif
-#else
-constexpr bool limits_memory = true;
-#endif
 
 constexpr int exit_done = 0, exit_no_memory = 77, exit_exception = 78;
 
@@ -65,7 +55,7 @@ bool write_all(int file, std::string_view bytes) {
   set_limit(RLIMIT_CORE, 0);
   set_limit(RLIMIT_FSIZE, 0);
   set_limit(RLIMIT_CPU, static_cast<rlim_t>(std::ceil(limits.seconds)) + 1);
-  if (limits_memory) set_limit(RLIMIT_AS, size + limits.memory);
+  if (!has_shadow_memory) set_limit(RLIMIT_AS, size + limits.memory);
   try {
     const std::string answer = call();
     _exit(write_all(out, answer) ? exit_done : exit_exception);
