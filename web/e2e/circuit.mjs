@@ -17,7 +17,7 @@ const journeys = [
       assert.ok(shown.lsis.some((l) => l.type === 'dynamics') && shown.wires.includes('status.state > dynamics.state'));
       await page.waitForTimeout(600);
       memory.circuit = shown.lsis.length;
-      assert.ok((await page.locator('.lsi').count()) >= 5, 'LSIs are elements');
+      await page.waitForFunction(() => document.querySelectorAll('.lsi').length >= 5); // elements, not a picture
       await page.screenshot({ path: `${pictures}circuit-generated.png` });
     },
   },
