@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "measured_files.h"
 #include "ugoki/mechanism/state.h"
 #include "ugoki/motion/measures.h"
@@ -39,6 +42,24 @@ TEST(Floor, LevelFloorStaysLevel) {
   const MeasuredMotion measured = testing::made_figure(600, 0.1, 0);
   const auto body = make_body(measured);
   EXPECT_EQ(fit_floor(measured, body->soles, body->height).tilt, 0);
+}
+
+// As on a treadmill: feet that are low slide at 1.5 m/s, feet that are 0.2 m up rest for a moment.
+TEST(Floor, FeetThatSlideOnTheSpotStandWhereTheyAreLowest) {
+  MeasuredMotion spot = testing::made_figure(240, 0.25);
+  std::ranges::fill(spot.rotations, Quat{});
+  const std::size_t n = spot.skeleton.joints.size();
+  double lowest = 0;
+  for (int f = 0; f < spot.frames; ++f) {
+    const double t = f / spot.rate, phase = t - std::floor(t);
+    Vec3& root = spot.translations[static_cast<std::size_t>(f) * n];
+    if (f == 0) lowest = root.z;
+    root = {phase < 0.4 ? 1.5 * phase : phase < 0.8 ? 0.6 : 0.6 - 3 * (phase - 0.8), 0, lowest + (phase < 0.4 ? 0.0 : 0.2)};
+  }
+  const MeasuredMotion standing = testing::made_figure(240, 0.25);
+  const auto body = make_body(spot);
+  ASSERT_TRUE(body);
+  EXPECT_NEAR(calc_floor_pose(*body, spot).p.z, calc_floor_pose(*make_body(standing), standing).p.z, 1e-3);
 }
 
 /// A ball on a stick that slides, stands, jumps.

@@ -104,6 +104,25 @@ Vec3 median_direction(const std::vector<Mat3>& R, const std::vector<int>& frames
   return normalized(Vec3{median(x), median(y), median(z)});
 }
 
+/// A floor that feet go through is none: walking on the spot (a treadmill, a loop of a game) has slow feet at the turn in the air alone,
+/// and the stance feet slide. Then feet stand where they are lowest.
+/// @return whether it is so; `stances` is set then
+bool stand_where_lowest(const std::vector<Track>& tracks, double scale, std::vector<Stance>& stances) {
+  std::vector<double> slow, all;
+  for (std::size_t s = 0; s < tracks.size(); ++s) {
+    for (const int f : stances[s].frames) slow.push_back(tracks[s].ball[at(f)].z);
+    for (const Vec3& p : tracks[s].ball) all.push_back(p.z);
+  }
+  const double lowest = percentile(all, 0.02);
+  if (percentile(slow, 0.1) < lowest + 0.08 * scale) return false;
+  for (std::size_t s = 0; s < tracks.size(); ++s) {
+    stances[s].frames.clear();
+    for (std::size_t f = 0; f < tracks[s].ball.size(); ++f)
+      if (tracks[s].ball[f].z < lowest + 0.04 * scale) stances[s].frames.push_back(static_cast<int>(f));
+  }
+  return true;
+}
+
 }  // namespace
 
 FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double height) {
@@ -126,7 +145,8 @@ FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double 
   }
   if (found == 0) return fit;
   fit.found = true;
-  const Vec3 slope = find_slope(tracks, fit.stances);
+  const bool on_the_spot = stand_where_lowest(tracks, scale, fit.stances);
+  const Vec3 slope = on_the_spot ? Vec3{} : find_slope(tracks, fit.stances);
   const Vec3 up = normalized(Vec3{-slope.x, -slope.y, 1});
   fit.R_level = to_matrix(rotation_between(up, {0, 0, 1}));
   fit.tilt = acos(up.z);

@@ -23,7 +23,8 @@ struct FloorFit {
 };
 
 /// Finds frames in which each foot stands (both ankle and ball slower than 0.2 m/s, near the lowest height at which it
-/// does so; slower feet first if there are too few) and, if the stance places tell it clearly, the floor's tilt.
+/// does so; slower feet first if there are too few; where feet would go through that floor, as they do when somebody walks on the
+/// spot, all frames in which they are lowest) and, if the stance places tell it clearly, the floor's tilt.
 /// Heights of the balls are measured after levelling. @param height m, of the person
 [[nodiscard]] FloorFit fit_floor(const MeasuredMotion& motion, std::span<const Sole> soles, double height);
 
