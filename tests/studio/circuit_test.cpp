@@ -309,6 +309,46 @@ TEST_F(CircuitStudioTest, ARunStopsAtTheTickThatMeetsABreakpointAndGoesOn) {
   EXPECT_FALSE(p.event("transport", [&](const json& e) { return e["playing"] == true && e["time"] > 0.6; }).is_null());
 }
 
+TEST_F(CircuitStudioTest, ARecordedKeyMeetsABreakpointAtTheSameTickWhenItIsComputedAgain) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(edit(json::array({put("lsis", {{"id", "w"}, {"type", "keyboard"}, {"parameters", {{"key", "KeyW"}}}}),
+                                    put("lsis", {{"id", "n"}, {"type", "counter"}}),
+                                    put("wires", {{"from", "w.pressed"}, {"to", "n.in"}})})))["ok"],
+            true);
+  const json list = {{{"condition", "n.out becomes true"}}};
+  ASSERT_EQ(p.ask({{"op", "breakpoints"}, {"list", list}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  ASSERT_FALSE(p.event("transport", [](const json& e) { return e["time"] > 0.1; }).is_null());
+  p.socket().send_text(json{{"op", "input"}, {"keyboard", {"KeyW"}}}.dump());
+  const json first = p.event("breakpoint");
+  ASSERT_FALSE(first.is_null());
+  p.socket().send_text(json{{"op", "input"}, {"keyboard", json::array()}}.dump());  // let go: what is recorded counts
+  ASSERT_EQ(p.ask({{"op", "seek"}, {"time", 0}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+  const json again = p.event("breakpoint");
+  ASSERT_FALSE(again.is_null());
+  EXPECT_EQ(again["tick"], first["tick"]);
+}
+
+TEST_F(CircuitStudioTest, WhatIsTrueAtTheBeginningHasNotBecomeSoInASecondRunEither) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
+  const json list = {{{"condition", "k.time < 0.1"}}};
+  ASSERT_EQ(p.ask({{"op", "breakpoints"}, {"list", list}})["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  for (const json& back : {json{{"op", "pause"}}, json{{"op", "restart"}}, json{{"op", "seek"}, {"time", 0}}}) {
+    ASSERT_EQ(p.ask(back)["ok"], true);
+    ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+    const json moved =
+        p.event("transport", [](const json& e) { return e["time"] > 0.2 || (e["playing"] == false && e["status"] == "paused"); });
+    EXPECT_EQ(moved["playing"], true) << back.dump() << moved.dump();
+    ASSERT_EQ(p.ask({{"op", "pause"}})["ok"], true);
+  }
+}
+
 TEST_F(CircuitStudioTest, MalformedBreakpointsAndSingleTicksAreRefusedInWords) {
   Page p = page();
   (void)p.ask({{"op", "hello"}});

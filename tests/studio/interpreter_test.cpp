@@ -81,6 +81,30 @@ TEST_F(InterpreterTest, EverythingIsRefusedInWordsWithoutContent) {
   EXPECT_FALSE(interpreter.load(bytes_of("not json")));
 }
 
+TEST_F(InterpreterTest, ASingleTickBehindTheHeadComputesAgainWithTheSameInputs) {
+  open();
+  ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));
+  ASSERT_TRUE(interpreter.seek(0.5));
+  settle();
+  ASSERT_TRUE(interpreter.push("a", "0", {70, 0, 0}, 0.2));
+  ASSERT_TRUE(interpreter.seek(1));
+  settle();
+  const std::uint64_t pushed = interpreter.head_digest();
+  ASSERT_TRUE(interpreter.seek(0.25));
+  const double shown = interpreter.time();
+  ASSERT_TRUE(interpreter.step_tick());
+  EXPECT_NEAR(interpreter.time(), shown + 0.002, 1e-9);
+  EXPECT_NEAR(interpreter.simulated(), shown + 0.002, 1e-9);
+  EXPECT_FALSE(interpreter.playing());
+  ASSERT_TRUE(interpreter.seek(1));
+  settle();
+  EXPECT_EQ(interpreter.head_digest(), pushed);
+
+  ASSERT_TRUE(interpreter.seek(4));
+  settle();
+  EXPECT_FALSE(interpreter.step_tick()) << "the content ends here";
+}
+
 TEST_F(InterpreterTest, FramesHaveTheDocumentedLayout) {
   open();
   ASSERT_TRUE(interpreter.set_mode(PlayMode::simulate));

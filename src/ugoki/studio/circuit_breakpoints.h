@@ -24,6 +24,8 @@ class CircuitBreakpoints {
   void set(std::vector<std::string> conditions);
   /// Another circuit runs from now on; null: none. It must outlive this, or the next attach.
   void attach(circuit::Interpreter* circuit);
+  /// The circuit is at its beginning again: what is true there has not become so.
+  void begin() { place(); }
   /// True if the circuit has an output that one of them looks at.
   [[nodiscard]] bool active() const { return !placed_.empty(); }
   /// True if the last tick met one of them.

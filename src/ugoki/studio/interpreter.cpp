@@ -189,6 +189,7 @@ Result<void> Interpreter::restart() {
   recording_->truncate(0);
   if (Result<void> r = simulation_->restore(recording_->checkpoint_before(0).state); !r) return r;
   watch_.changed();
+  breakpoints_.begin();
   next_input_ = 0;
   again_until_ = 0;
   held_.mouse.wheel = 0;
@@ -239,6 +240,7 @@ Result<void> Interpreter::truncate(std::int64_t step) {
   const Recording::Checkpoint& checkpoint = recording_->checkpoint_before(step);
   if (Result<void> r = simulation_->restore(checkpoint.state); !r) return r;
   watch_.changed();
+  if (checkpoint.step == 0) breakpoints_.begin();
   next_input_ = recording_->first_input(checkpoint.step);
   recording_->truncate(step);
   blown_up_ = false;
