@@ -160,6 +160,7 @@ FloorFit fit_floor(const MeasuredMotion& m, std::span<const Sole> soles, double 
     std::erase_if(stance.frames, [&](int f) { return dot(up, tracks[s].ball[at(f)]) > ceiling; });
     if (stance.frames.empty()) continue;
     std::vector<double> z;
+    z.reserve(stance.frames.size());
     for (const int f : stance.frames) z.push_back(dot(up, tracks[s].ball[at(f)]));
     stance.ball_height = median(z);
     stance.foot_up = median_direction(tracks[s].R_foot, stance.frames, up);
