@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ugoki/spatial/elementary.h"
+
 namespace ugoki::body {
 namespace {
 
@@ -112,8 +114,9 @@ class Finder {
           yy += weight * d.y * d.y;
         }
     if (!(xx + yy > 0)) return {};
-    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-    Vec3 left{std::cos(angle), std::sin(angle), 0};
+    const double angle = 0.5 * ugoki::atan2(2 * xy, xx - yy);
+    const SinCos turn = sin_cos(angle);
+    Vec3 left{turn.cos, turn.sin, 0};
     if (left.y < 0) left = -left;
     const double forward = dot(toes_point(), cross(left, Vec3{0, 0, 1}));
     return forward < 0 ? -left : left;
