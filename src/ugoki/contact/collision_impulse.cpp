@@ -96,7 +96,7 @@ bool CollisionImpulse::make_jump(std::span<const LinkSystem> systems, Row& row, 
     dynamics::solve(*s.workspace, jump);
     row.open += product(rows_.data() + side.row, jump.data(), jump.size());
     if (!s.loops) continue;
-    dynamics::project_velocity(*s.mechanism, *s.workspace, *s.loops, jump);
+    closed_.solve(*s.mechanism, *s.workspace, *s.loops, {plain_.data() + side.row, freedoms(s)}, jump);
     // (13) (14) with M MJ: the same as r^T J along the loops, and right to rounding where these are nearly singular
     multiply_by_inertia(*s.workspace, jump, {rows_.data() + side.row, freedoms(s)});
   }

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "ugoki/collision/contact_point.h"
+#include "ugoki/dynamics/closed_impulse.h"
 #include "ugoki/dynamics/closed_links.h"
 #include "ugoki/dynamics/dynamics.h"
 
@@ -83,6 +84,7 @@ class CollisionImpulse {
                      bool plastic, ImpactReport& report);
   void solve_nonnegative(std::size_t n);
 
+  dynamics::ClosedImpulse closed_;
   std::vector<Row> list_;
   std::vector<double> rows_;    // r^T J of each side; M MJ, which is the same along the loops, once its jump is known
   std::vector<double> plain_;   // r^T J as it is

@@ -11,6 +11,9 @@
 namespace ugoki::dynamics {
 namespace {
 
+/// A row that no joint moves by more than this part of what its directions might (its square) is rounding: planar chains and their axes.
+constexpr double immobile = 1e-24;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 ArticulatedInertia articulated(const Inertia& r) { return {r.I, Mat3::skew(r.h), {r.mass, r.mass, r.mass, 0, 0, 0}}; }
@@ -193,6 +196,7 @@ class ClosedSolver {
     std::ranges::fill(c_.P_, Vec6{});
     std::ranges::fill(c_.Lambda_, 0.0);
     std::ranges::fill(c_.reduced_, 0.0);
+    std::ranges::fill(c_.terms_, 0.0);
     for (const Entry& e : x_.entries) {
       if (e.present_b < 0) continue;  // a gear
       const int a = x_.present[at(e.present_a)].row, b = x_.present[at(e.present_b)].row;
@@ -227,6 +231,9 @@ class ClosedSolver {
         const ClosedStructure::Gear& gear = x_.gears[at(k)];
         if (gear.freedom == f) s[place_of(n, gear.place)] -= gear.second ? -c_.rows_.slope[at(gear.loop)] : 1.0;
       }
+      for_passing_multipliers(n, [&](int g, int row) {
+        c_.terms_[at(g)] += d * (dot(S.w, S.w) * dot(P[row].w, P[row].w) + dot(S.v, S.v) * dot(P[row].v, P[row].v));
+      });
       for (int k = 0; k < n.passing_rows; ++k) P[k] -= U * (d * s[k]);
       for (int k = n.pairs; k < n.pairs + n.pair_count; ++k) {
         const ClosedStructure::Pair& pair = x_.pairs[at(k)];
@@ -260,7 +267,7 @@ class ClosedSolver {
       int best = k;
       const auto part = [&](int i) {
         const double scale = greatest[order[i] < e.position_rows ? 0 : 1];
-        return scale > 0 ? diagonal[order[i]] / scale : 0.0;
+        return diagonal[order[i]] > immobile * c_.terms_[at(e.first + order[i])] ? diagonal[order[i]] / scale : 0.0;
       };
       for (int i = k + 1; i < r; ++i)
         if (part(i) > part(best)) best = i;
@@ -427,7 +434,7 @@ ClosedLinks::ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<
   rank_of_.resize(x.entries.size());
   pivots_.resize(n);
   Z_.resize(n);
-  for (std::vector<double>* v : {&reduced_, &g_, &z_, &lambda_}) v->resize(n);
+  for (std::vector<double>* v : {&reduced_, &terms_, &g_, &z_, &lambda_}) v->resize(n);
   multipliers_.resize(at(rows_.count()));
   independent_.resize(at(rows_.count()));
   delta_.resize(at(m.nv()));
@@ -479,6 +486,15 @@ void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, st
   solver.residual_of_velocity(v);
   const std::span<const double> delta = solver.correct();
   for (std::size_t i = 0; i < v.size(); ++i) v[i] += delta[i];
+}
+
+void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<const double> v,
+                        std::span<double> x) {
+  ClosedSolver solver(m, ws, closed);
+  solver.sweep_velocity(v);
+  solver.residual_of_velocity(v);
+  std::ranges::fill(ws.pA, Vec6{});
+  solver.solve(r, false, {}, x);
 }
 
 ClosedStatus project_position(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> q, std::span<const double> v,

@@ -99,6 +99,7 @@ class ClosedLinks {
   std::vector<int> pivots_;             ///< [multipliers] rows of a block in the order of their pivots
   std::vector<Vec6> Z_;                 ///< [multipliers]
   std::vector<double> reduced_;         ///< [multipliers] what eliminations took from the diagonal
+  std::vector<double> terms_;           ///< [multipliers] the diagonal if all directions agreed: what rounding is measured by
   std::vector<double> g_, z_, lambda_;  ///< [multipliers]
   std::vector<double> multipliers_;
   std::vector<char> independent_;
@@ -143,6 +144,11 @@ void calc_closed_forward_dynamics(const Mechanism& m, Workspace& ws, ClosedLinks
 /// v <- v - M^-1 J^T (J M^-1 J^T)^-1 J v after factor_closed_links(): the velocity nearest to v, in kinetic energy, that opens no
 /// loop. It is what a sudden closing of the loops leaves of v; the multipliers are the impulses.
 void project_velocity(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<double> v);
+
+/// M x = r + J^T lambda, J (v + x) = 0 after factor_closed_links(): one solve, as exact as the recursion is (closed_impulse.h refines it).
+/// @param r, v, x [nv]; x must alias neither. The multipliers are lambda.
+void solve_closed_links(const Mechanism& m, Workspace& ws, ClosedLinks& closed, std::span<const double> r, std::span<const double> v,
+                        std::span<double> x);
 
 /// Moves q until the gaps are at rounding: Newton steps of least kinetic energy; near a singular position, where the gaps allow it,
 /// without the directions that are singular there (dependent_correction). Calls update_kinematics() with `v` and
