@@ -73,6 +73,29 @@ Look look_at(const Mover& a, const Mover& b, double remaining, double tolerance,
   return out;
 }
 
+/// A spin about the axis of what is round about it moves nothing; what is left turns with the axis.
+Mover without_spin(const Mover& m) {
+  if (m.shape.shape.type != ShapeType::cylinder && m.shape.shape.type != ShapeType::capsule) return m;
+  Mover out = m;
+  const Vec3 axis = m.X_WS.R.column(2);
+  out.w = m.w - axis * dot(axis, m.w);
+  out.alpha = m.alpha + norm(m.w) * norm(out.w);
+  return out;
+}
+
+/// Half of the least distance of two parallel planes that hold it; of a hull, of those along its faces.
+double half_width_of(const Collider& c) {
+  if (c.support.kind != SupportKind::hull || c.support.hull == nullptr) return c.thickness;
+  double least = c.thickness;
+  const Hull& hull = *c.support.hull;
+  for (std::size_t f = 0; f < hull.normals.size(); ++f) {
+    double low = hull.offsets[f];
+    for (const Vec3& v : hull.vertices) low = std::min(low, dot(hull.normals[f], v));
+    least = std::min(least, 0.5 * (hull.offsets[f] - low) + c.support.radius);
+  }
+  return least;
+}
+
 }  // namespace
 
 Pose BodyMotion::at(const Vec3& centre, double time) const {
@@ -127,6 +150,7 @@ ImpactSearch::ImpactSearch(const Scene& scene, const AdvancementOptions& options
     s.bounds.resize(links);
   }
   sweeps_.resize(scene.shapes().size());
+  for (const SceneShape& shape : scene.shapes()) half_width_.push_back(half_width_of(shape));
 }
 
 /// Poses and velocities at the beginning, and bounds of the accelerations at constant joint velocities:
@@ -256,16 +280,20 @@ SceneImpact ImpactSearch::make_impact(const Candidate& c, const PairDistance& d,
   return out;
 }
 
-SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt, double margin) {
-  UGOKI_CHECK(systems.size() == systems_.size());
-  motions_ = systems;
-  for (std::size_t s = 0; s < systems.size(); ++s) prepare(s, systems[s], dt);
+void ImpactSearch::prepare_all(double dt) {
+  for (std::size_t s = 0; s < motions_.size(); ++s) prepare(s, motions_[s], dt);
   for (std::size_t i = 0; i < sweeps_.size(); ++i) {
     const Moving m = moving(static_cast<int>(i), 0);
     const SceneShape& shape = scene_.shapes()[i];
     // The middle of the centre's way, were it straight.
     sweeps_[i] = {m.X_WS * shape.centre + m.v * (0.5 * dt), shape.bound + 0.5 * dt * norm(m.v) + 0.5 * m.a * dt * dt};
   }
+}
+
+SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt, double margin) {
+  UGOKI_CHECK(systems.size() == systems_.size());
+  motions_ = systems;
+  prepare_all(dt);
   find_candidates();
   // Whoever may be first is looked at next, so that the first that touches is the first of all.
   const auto later = [&](std::uint32_t x, std::uint32_t y) {
@@ -303,6 +331,46 @@ SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt,
     }
   }
   out.distances = distances;
+  return out;
+}
+
+/// The signed distance of convex bodies falls no faster along its normal than their points approach along it, also where they overlap.
+bool ImpactSearch::passes(Candidate& c, double end, double dt) {
+  constexpr int most_looks = 20000;
+  const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];
+  const double both = half_width_[static_cast<std::size_t>(c.a)] + half_width_[static_cast<std::size_t>(c.b)];
+  double deepest = 0.5 * both;
+  for (int look = 0; look < most_looks; ++look) {
+    const Moving at_a = moving(c.a, c.time), at_b = moving(c.b, c.time);
+    const Mover a = without_spin({sa, at_a.X_WS, at_a.v, at_a.w, at_a.a, at_a.alpha});
+    const Mover b = without_spin({sb, at_b.X_WS, at_b.v, at_b.w, at_b.a, at_b.alpha});
+    const double most = approach_of(a, b, nullptr).within(dt - c.time);
+    if (!(most < infinity) || (c.time == 0 && most < both)) return false;
+    const PairDistance d = find_pair_distance(sa, a.X_WS, sb, b.X_WS, most + options_.tolerance, c.cache, workspace_);
+    if (!(d.lower > -infinity)) return false;
+    if (c.time == 0) deepest = std::max(deepest, -d.distance + 0.1 * both);  // what was deep already may stay so
+    if (most < d.lower + deepest) return false;
+    const double left = d.lower + deepest;
+    if (!(left > 0.02 * both)) return true;
+    c.time += approach_of(a, b, norm(d.n) > 0.5 ? &d.n : nullptr).time_for(left - 0.01 * both);
+    if (c.time >= end) return false;
+  }
+  return true;  // not known to be safe any longer
+}
+
+SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, double dt) {
+  UGOKI_CHECK(systems.size() == systems_.size());
+  motions_ = systems;
+  prepare_all(dt);
+  find_candidates();
+  SceneImpact out;
+  out.time = dt;
+  for (Candidate& c : candidates_) {
+    if (c.b < 0) continue;
+    if (!scene_.shapes()[static_cast<std::size_t>(c.a)].convex || !scene_.shapes()[static_cast<std::size_t>(c.b)].convex) continue;
+    if (!passes(c, out.time, dt)) continue;
+    out = make_impact(c, {}, ImpactStatus::impact);
+  }
   return out;
 }
 

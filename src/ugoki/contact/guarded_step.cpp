@@ -38,25 +38,32 @@ constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000,
 }  // namespace
 
 GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const GuardOptions& options)
-    : scene_(&scene), stepper_(&stepper), options_(options), workspace_(scene) {
+    : scene_(&scene), stepper_(&stepper), options_(options), workspace_(scene), search_(scene), swept_(scene) {
   UGOKI_CHECK(scene.systems().size() == static_cast<std::size_t>(stepper.system_count()));
   for (const MechanismPtr& m : scene.systems()) {
     const auto links = static_cast<std::size_t>(m->link_count());
-    q_.emplace_back(static_cast<std::size_t>(m->nq()));
-    v_.emplace_back(static_cast<std::size_t>(m->nv()));
+    for (States* states : {&begin_, &whole_}) {
+      states->q.emplace_back(static_cast<std::size_t>(m->nq()));
+      states->v.emplace_back(static_cast<std::size_t>(m->nv()));
+    }
     end_.emplace_back(links);
     size_.resize(size_.size() + links);
   }
   for (const auto& poses : end_) views_.emplace_back(poses);
   moved_.resize(views_.size());
+  thin_.assign(size_.size(), HUGE_VAL);
+  motions_.resize(views_.size());
   std::vector<std::size_t> first = {0};
   for (const auto& poses : end_) first.push_back(first.back() + poses.size());
   for (const collision::SceneShape& s : scene.shapes()) {
-    double& size = size_[first[static_cast<std::size_t>(s.system)] + static_cast<std::size_t>(s.link)];
-    size = std::max(size, norm(s.shape.X_BS.p) + s.reach);
+    const std::size_t link = first[static_cast<std::size_t>(s.system)] + static_cast<std::size_t>(s.link);
+    size_[link] = std::max(size_[link], norm(s.shape.X_BS.p) + s.reach);
+    double& thin = thin_[link];
+    thin = std::min(thin, s.shape.type == ShapeType::mesh ? 0.5 * s.thickness : s.thickness);  // which may lie aslant in its frame
   }
-  contacts_.reserve(12 * scene.shapes().size() + 64);
-  found_.reserve(12 * scene.shapes().size() + 64);
+  for (const auto& poses : end_) speeds_.resize(std::max(speeds_.size(), poses.size()));
+  for (auto* list : {&contacts_, &found_, &near_, &all_contacts_}) list->reserve(12 * scene.shapes().size() + 64);
+  forces_.reserve(12 * scene.shapes().size() + 64);
 }
 
 /// Poses at the end, and which systems are no longer where they were.
@@ -114,11 +121,23 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
   return added;
 }
 
-StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+void GuardedStep::States::save(std::span<const StepSystem> systems) {
   for (std::size_t s = 0; s < systems.size(); ++s) {
-    std::ranges::copy(systems[s].q, q_[s].begin());
-    std::ranges::copy(systems[s].v, v_[s].begin());
+    std::ranges::copy(systems[s].q, q[s].begin());
+    std::ranges::copy(systems[s].v, v[s].begin());
   }
+}
+
+void GuardedStep::States::restore(std::span<const StepSystem> systems) const {
+  for (std::size_t s = 0; s < systems.size(); ++s) {
+    std::ranges::copy(q[s], systems[s].q.begin());
+    std::ranges::copy(v[s], systems[s].v.begin());
+  }
+}
+
+/// As a whole, again where things overlap at the end.
+StepReport GuardedStep::take(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  begin_.save(systems);
   contacts_.assign(contacts.begin(), contacts.end());
   StepReport report;
   for (passes_ = 1;; ++passes_) {
@@ -126,15 +145,110 @@ StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const coll
     if (report.status != StepStatus::ok) break;
     move(systems);
     if (!add_overlaps(contacts, dt)) return report;
-    for (std::size_t s = 0; s < systems.size(); ++s) {
-      std::ranges::copy(q_[s], systems[s].q.begin());
-      std::ranges::copy(v_[s], systems[s].v.begin());
+    begin_.restore(systems);
+  }
+  begin_.restore(systems);
+  return report;
+}
+
+/// @return s: until then nothing passes on the way from begin_ with the velocities now; dt where nothing does
+double GuardedStep::find_passage(std::span<const StepSystem> systems, double dt) {
+  // Velocities at the beginning; links that whip each other on within the step are allowed a quarter more.
+  bool far = false;
+  std::size_t at = 0;
+  for (std::size_t s = 0; s < systems.size(); ++s) {
+    const Mechanism& m = stepper_->mechanism(static_cast<int>(s));
+    const dynamics::Workspace& ws = stepper_->workspace(static_cast<int>(s));
+    const std::span<const double> v = systems[s].v;
+    motions_[s] = {begin_.q[s], v};
+    for (int i = 0; i < m.link_count(); ++i, ++at) {
+      const Link& link = m.link(i);
+      Vec6& V = speeds_[static_cast<std::size_t>(i)];
+      V = link.parent >= 0 ? speeds_[static_cast<std::size_t>(link.parent)] : Vec6{};
+      for (int k = link.v_index; k < link.v_index + link.joint.nv(); ++k)
+        V += ws.S[static_cast<std::size_t>(k)] * v[static_cast<std::size_t>(k)];
+      const Vec3 origin = V.v + cross(V.w, ws.X_WB[static_cast<std::size_t>(i)].p - ws.p0);
+      far = far || 1.25 * dt * (norm(origin) + norm(V.w) * size_[at]) > thin_[at];
     }
   }
+  return far ? search_.find_passage(motions_, dt).time : dt;
+}
+
+/// Contacts of the present, and of fast things until the end.
+void GuardedStep::find_contacts(std::span<const StepSystem> systems, double dt) {
   for (std::size_t s = 0; s < systems.size(); ++s) {
-    std::ranges::copy(q_[s], systems[s].q.begin());
-    std::ranges::copy(v_[s], systems[s].v.begin());
+    calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
+    motions_[s] = {systems[s].q, systems[s].v};
   }
+  collision::find_contacts(*scene_, views_, options_.margin, workspace_, near_);
+  swept_.add(motions_, views_, dt, options_.margin, near_);
+}
+
+/// Goes only so far as nothing passes. Velocities stay: the next step stops them.
+void GuardedStep::stop_at(std::span<const StepSystem> systems, double time) {
+  for (std::size_t s = 0; s < systems.size(); ++s)
+    integrate(stepper_->mechanism(static_cast<int>(s)), begin_.q[s], systems[s].v, time, systems[s].q);
+}
+
+void GuardedStep::add_forces(double part) {
+  const std::span<const Vec3> forces = stepper_->contact_forces();
+  for (std::size_t i = 0; i < contacts_.size(); ++i) {
+    if (forces[i] == Vec3{}) continue;
+    std::size_t at = 0;
+    while (at < all_contacts_.size() && all_contacts_[at].key != contacts_[i].key) ++at;
+    if (at == all_contacts_.size()) {
+      all_contacts_.push_back(contacts_[i]);
+      forces_.emplace_back();
+    }
+    forces_[at] += forces[i] * part;
+  }
+}
+
+StepReport GuardedStep::take_apart(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  constexpr int units = 1024, most_takes = 256;
+  all_contacts_.assign(contacts.begin(), contacts.end());
+  forces_.assign(contacts.size(), Vec3{});
+  StepReport report, sum;
+  parts_ = 0;
+  int length = units / 2;
+  for (int done = 0, takes = 0; done < units; ++takes) {
+    const double h = dt * length / units;
+    find_contacts(systems, h);
+    report = take(systems, near_, h);
+    if (report.status != StepStatus::ok) {
+      whole_.restore(systems);
+      return report;
+    }
+    if (const double safe = find_passage(systems, h); safe < h) {
+      if (length > 1 && takes < most_takes) {
+        begin_.restore(systems);
+        length /= 2;
+        continue;
+      }
+      stop_at(systems, safe);
+    }
+    add_forces(static_cast<double>(length) / units);
+    ++parts_;
+    done += length;
+    while (length < units - done && done % (2 * length) == 0) length *= 2;
+    while (length > units - done) length /= 2;
+    sum.impacts += report.impacts;
+    if (length == 0) break;
+  }
+  report.impacts = sum.impacts;
+  return report;
+}
+
+StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  StepReport report = take(systems, contacts, dt);
+  parts_ = 1;
+  if (report.status == StepStatus::ok && find_passage(systems, dt) < dt) {
+    begin_.restore(systems);
+    std::swap(begin_, whole_);
+    return take_apart(systems, contacts, dt);
+  }
+  all_contacts_.assign(contacts_.begin(), contacts_.end());
+  forces_.assign(stepper_->contact_forces().begin(), stepper_->contact_forces().end());
   return report;
 }
 

@@ -30,7 +30,8 @@ double rolling_radius(const Link& link) {
 
 /// What a free body's bias moment has to change by, so that the step takes it at the mean of old and new angular velocity:
 ///   I (w' - w) = -dt wm x I wm,  wm = (w + w') / 2
-/// keeps the energy and the size of the angular momentum of a spinning body exactly, where the moment at w would spin it up.
+/// keeps the energy and the size of the angular momentum of a spinning body exactly, where the moment at w would spin it up. A body that
+/// turns by radians in a step, for which that may have no solution nearby, keeps its angular velocity.
 Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
   const Mat3 M = I.matrix();
   Vec3 next = w;
@@ -39,8 +40,9 @@ Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
     const Vec3 rest = M * (next - w) + cross(mean, momentum) * dt;
     next = next - inverse(M + (Mat3::skew(mean) * M - Mat3::skew(momentum)) * (0.5 * dt)) * rest;
   }
-  const Vec3 mean = (w + next) * 0.5;
-  return cross(mean, M * mean) - cross(w, M * w);
+  const Vec3 mean = (w + next) * 0.5, moment = cross(mean, M * mean), rest = M * (next - w) + moment * dt;
+  const bool solved = norm(rest) <= 1e-6 * norm(M * w);  // false for NaN
+  return (solved ? moment : Vec3{}) - cross(w, M * w);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
 }
 
 /// Who is given no contacts touches nothing, so there is nothing to guard. Afterwards self.contacts are those of the step.
-contact::StepReport take_step(Dynamics& self, double dt) {
+contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& forces) {
   if (self.contacts.empty()) return self.stepper.step(self.systems, self.contacts, dt);
   for (std::size_t s = 0; s < self.systems.size(); ++s) {  // links of one character collide where collision analysis says so
     const auto of_itself = [s](const collision::ContactPoint& c) { return c.system_a == static_cast<int>(s) && c.system_b == c.system_a; };
@@ -80,6 +80,7 @@ contact::StepReport take_step(Dynamics& self, double dt) {
   }
   self.guard.forget();  // a step depends on the state alone: the same bits after a restore
   const contact::StepReport report = self.guard.step(self.systems, self.contacts, dt);
+  forces = self.guard.forces();
   const std::span<const collision::ContactPoint> all = self.guard.contacts();
   self.contacts.insert(self.contacts.end(), all.begin() + static_cast<std::ptrdiff_t>(self.contacts.size()), all.end());
   return report;
@@ -107,10 +108,10 @@ std::int32_t step(const Call* call) {
       system.servo_velocity = {drive + 2 * nv, nv};
     }
   }
-  const contact::StepReport report = take_step(self, call->tick->dt);
+  std::span<const Vec3> forces;
+  const contact::StepReport report = take_step(self, call->tick->dt, forces);
   if (report.status != contact::StepStatus::ok) return explain(call, self, report);
   auto* out = record_room<ContactRecord>(call->out[1]);
-  const std::span<const Vec3> forces = self.stepper.contact_forces();
   const std::size_t count = std::min<std::size_t>(self.contacts.size(), call->out_count[1]);
   for (std::size_t i = 0; i < count; ++i) out[i] = {self.contacts[i], forces[i], 0};
   set_count(call->out[1], count);
