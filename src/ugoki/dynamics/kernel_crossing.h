@@ -40,23 +40,6 @@ UGOKI_INLINE T load(const typename T::Real* array, int i, std::ptrdiff_t stride)
   return T::load(array + i * stride);
 }
 
-/// Articulated inertia [[I, H], [H^T, M]] and bias force (n, f) about the node's origin.
-template <class T>
-struct Articulated {
-  Sym3T<T> I;
-  Mat3T<T> H;
-  Sym3T<T> M;
-  V3<T> n, f;
-};
-template <class T>
-UGOKI_INLINE void add(Articulated<T>& a, const Articulated<T>& b) {
-  a.I = a.I + b.I;
-  a.H += b.H;
-  a.M = a.M + b.M;
-  a.n += b.n;
-  a.f += b.f;
-}
-
 /// Cyclic exchange of x, y, z: the parent's coordinates of the child's vector.
 template <Crossing K, class T>
 UGOKI_INLINE V3<T> exchange_up(const V3<T>& v) {
@@ -124,21 +107,95 @@ struct MatrixCrossing {
   UGOKI_INLINE Mat3T<T> up(const Mat3T<T>& m) const { return E * (m * E.transposed()); }
 };
 
-/// Moves an articulated inertia and its bias force, axes unchanged, from a point at r to the origin.
-template <class T>
-UGOKI_INLINE void shift(Articulated<T>& a, const V3<T>& r) {
-  const Mat3T<T>& H = a.H;
-  const Mat3T<T> G = H + Mat3T<T>::columns(cross(r, V3<T>{a.M.xx, a.M.xy, a.M.xz}), cross(r, V3<T>{a.M.xy, a.M.yy, a.M.yz}),
-                                           cross(r, V3<T>{a.M.xz, a.M.yz, a.M.zz}));
-  // I_ij + (r x H row j)_i + (r x G row i)_j
-  a.I.xx += r.y * (H.xz + G.xz) - r.z * (H.xy + G.xy);
-  a.I.yy += r.z * (H.yx + G.yx) - r.x * (H.yz + G.yz);
-  a.I.zz += r.x * (H.zy + G.zy) - r.y * (H.zx + G.zx);
-  a.I.xy += (r.y * H.yz - r.z * H.yy) + (r.z * G.xx - r.x * G.xz);
-  a.I.xz += (r.y * H.zz - r.z * H.zy) + (r.x * G.xy - r.y * G.xx);
-  a.I.yz += (r.z * H.zx - r.x * H.zz) + (r.x * G.yy - r.y * G.yx);
-  a.H = G;
-  a.n += cross(r, a.f);
+// Vectors that are constants of a node often lie along an axis (link_program.h: Axes). What follows computes with those of their
+// coordinates only that are not zero.
+
+/// x times the node's sign. Twins may differ in it.
+template <class T, class Constant>
+UGOKI_INLINE T with_sign(const NodeOrder& o, const NodeConstants<Constant>& c, T x) {
+  if constexpr (std::is_same_v<Constant, typename T::Real>)
+    return o.reversed ? -x : x;
+  else
+    return x * T(c.sign);
+}
+/// f(k, x[k]), k a constant, of the axes that are present.
+template <class T, class Constant, class F>
+UGOKI_INLINE void for_axes(Axes present, const Constant* x, F&& f) {
+  if ((present & 1) != 0) f(std::integral_constant<int, 0>{}, T(x[0]));
+  if ((present & 2) != 0) f(std::integral_constant<int, 1>{}, T(x[1]));
+  if ((present & 4) != 0) f(std::integral_constant<int, 2>{}, T(x[2]));
+}
+
+template <int k, class T>
+UGOKI_INLINE auto& entry(T& v) {
+  if constexpr (k == 0) return v.x;
+  if constexpr (k == 1) return v.y;
+  if constexpr (k == 2) return v.z;
+}
+template <int i, int j, class T>
+UGOKI_INLINE T& entry(Sym3T<T>& s) {
+  if constexpr (i == j) {
+    if constexpr (i == 0) return s.xx;
+    if constexpr (i == 1) return s.yy;
+    if constexpr (i == 2) return s.zz;
+  } else {
+    if constexpr (i + j == 1) return s.xy;
+    if constexpr (i + j == 2) return s.xz;
+    if constexpr (i + j == 3) return s.yz;
+  }
+}
+template <int i, int j, class T>
+UGOKI_INLINE T& entry(Mat3T<T>& m) {
+  if constexpr (i == 0) return j == 0 ? m.xx : j == 1 ? m.xy : m.xz;
+  if constexpr (i == 1) return j == 0 ? m.yx : j == 1 ? m.yy : m.yz;
+  if constexpr (i == 2) return j == 0 ? m.zx : j == 1 ? m.zy : m.zz;
+}
+
+/// out + x e_k x v
+template <int k, class T>
+UGOKI_INLINE void add_cross(V3<T>& out, T x, const V3<T>& v) {
+  constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
+  entry<i>(out) -= x * entry<j>(v);
+  entry<j>(out) += x * entry<i>(v);
+}
+/// out + c x v, c a constant
+template <class T, class Constant>
+UGOKI_INLINE void add_cross(V3<T>& out, Axes present, const Constant* c, const V3<T>& v) {
+  for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, x, v); });
+}
+/// out + v x c
+template <class T, class Constant>
+UGOKI_INLINE void subtract_cross(V3<T>& out, Axes present, const Constant* c, const V3<T>& v) {
+  for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, -x, v); });
+}
+/// out + A c
+template <class T, class Constant>
+UGOKI_INLINE void add_product(V3<T>& out, const Mat3T<T>& A, Axes present, const Constant* c) {
+  for_axes<T>(present, c, [&](auto k, T x) {
+    out += (k == 0 ? V3<T>{A.xx, A.yx, A.zx} : k == 1 ? V3<T>{A.xy, A.yy, A.zy} : V3<T>{A.xz, A.yz, A.zz}) * x;
+  });
+}
+
+/// w x (w x x e_k)
+template <int k, class T>
+UGOKI_INLINE V3<T> centripetal(const V3<T>& w, T x) {
+  constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
+  const T a = entry<i>(w), b = entry<j>(w), along = entry<k>(w) * x;
+  V3<T> out;
+  entry<i>(out) = a * along;
+  entry<j>(out) = b * along;
+  entry<k>(out) = -(x * (a * a + b * b));
+  return out;
+}
+/// w x (w x c), c a constant that is not zero
+template <class T, class Constant>
+UGOKI_INLINE V3<T> centripetal(const V3<T>& w, Axes present, const Constant* c) {
+  switch (present) {
+    case 1: return centripetal<0>(w, T(c[0]));
+    case 2: return centripetal<1>(w, T(c[1]));
+    case 4: return centripetal<2>(w, T(c[2]));
+    default: return cross(w, cross(w, vector_of<T>(c)));
+  }
 }
 
 /// Rotation matrix of the unit quaternion at q (w first).

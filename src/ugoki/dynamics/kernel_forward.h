@@ -8,7 +8,7 @@
 // A freedom's column S has one or two entries in the node's frame, so U is a column of IA. Freedoms of one node are taken one
 // after another. Source: Featherstone (2008), ch. 7. For kernels_*.cpp only.
 
-#include "ugoki/dynamics/kernel_crossing.h"
+#include "ugoki/dynamics/kernel_articulated.h"
 
 namespace ugoki::dynamics {
 namespace {  // NOLINT(google-build-namespaces): see spatial/lanes.h
@@ -224,7 +224,7 @@ class ForwardKernel {
   UGOKI_INLINE void turn_revolute(int i) {
     const NodeOrder& o = a_.order[i];
     V3<T> w = pass_.template revolute<K>(o).down(w_[o.parent + 1]);
-    w.z += v(o.v) * T(a_.constants[i].sign);
+    w.z += with_sign(o, a_.constants[i], v(o.v));
     w_[i + 1] = w;
   }
   void turn(int i) {
@@ -240,23 +240,17 @@ class ForwardKernel {
   /// The node's own body and what its children handed on.
   UGOKI_INLINE Articulated<T> gather(int i) {
     const NodeOrder& o = a_.order[i];
-    const NodeConstants<Constant>& c = a_.constants[i];
-    const T none(0);
     Articulated<T> A;
-    if (o.massless) {
-      const V3<T> zero{none, none, none};
-      A = {{none, none, none, none, none, none}, Mat3T<T>::skew(zero), {none, none, none, none, none, none}, zero, zero};
+    if (o.has_child) {
+      A = carry_;
+      if (!o.massless) add_body(A, o, a_.constants[i], w_[i + 1]);
     } else {
-      const V3<T> h = vector_of<T>(c.h), w = w_[i + 1];
-      const T m(c.mass);
-      const Sym3T<T> I = symmetric_of<T>(c.I);
-      A = {I, Mat3T<T>::skew(h), {m, m, m, none, none, none}, cross(w, I * w), cross(w, cross(w, h))};
+      A = body(o, a_.constants[i], w_[i + 1]);
     }
     if (pass_.wrench != nullptr) {
       A.n -= pass_.wrench[i].w;
       A.f -= pass_.wrench[i].v;
     }
-    if (o.has_child) add(A, carry_);
     if (o.slot >= 0) add(A, slots_[o.slot]);
     if (T::count == 1 && o.twins >= 0) add(A, twins_[o.twins]);
     return A;
@@ -274,7 +268,7 @@ class ForwardKernel {
   template <Crossing K>
   UGOKI_INLINE void inward_revolute(int i) {
     const NodeOrder& o = a_.order[i];
-    const bool armed = !is_zero(a_.constants[i].armature[0]);
+    const bool armed = o.armed;
     if (closed && loops_.present_at(i)) {  // apart: the many nodes without loops keep their registers
       if (armed)
         eliminate_revolute<K, true, true>(i, o);
@@ -290,26 +284,26 @@ class ForwardKernel {
   template <Crossing K, bool armed, bool loops>
   UGOKI_INLINE void eliminate_revolute(int i, const NodeOrder& o) {
     const NodeConstants<Constant>& c = a_.constants[i];
-    const T none(0), sign(c.sign);
+    const T none(0);
     Articulated<T> A = gather(i);
     if constexpr (loops) loops_.eliminate(i, A);
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    const V3<T> r = vector_of<T>(c.p);
-    const V3<T> w = w_[i + 1], w_up = w_[o.parent + 1];
-    const T rate = v(o.v) * sign;
-    const V3<T> c_v = X.down(cross(w_up, cross(w_up, r)));
+    const V3<T> w = w_[i + 1];
+    const T rate = with_sign(o, c, v(o.v));
+    V3<T> c_v{none, none, none};
+    if (o.offset != 0) c_v = X.down(centripetal(w_[o.parent + 1], o.offset, c.p));
     const T cx = w.y * rate, cy = -(w.x * rate);
     velocity_product_[i] = c_v;
     FreedomPass& f = freedom_[o.v];
     const V3<T> Uw{A.I.xz, A.I.yz, A.I.zz}, Uv = A.H.row(2);
     const T d = inverse_pivot(armed ? Uw.z + T(c.armature[0]) : Uw.z);
-    const T u = tau(o.v) * sign - A.n.z;
+    const T u = with_sign(o, c, tau(o.v)) - A.n.z;
     const T step = u * d;
     f = {{Uw, Uv}, d, u};
     if constexpr (loops) {
-      loops_.freedom(i, 0, o.v, f.U, d, u, sign, [](const auto& P) { return P.w.z; });
+      loops_.freedom(i, 0, o.v, f.U, d, u, T(c.sign), [](const auto& P) { return P.w.z; });
       loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, c_v});
-      loops_.hand_on(i, X, r);
+      loops_.hand_on(i, X, vector_of<T>(c.p));
     }
     if (!twins && o.parent < 0) return;
 
@@ -342,10 +336,15 @@ class ForwardKernel {
     A.M.xz -= Uv.x * dv.z;
     A.M.yz -= Uv.y * dv.z;
     // c enters by the inertia handed on: pA + (IA - U U^T / D) c + U u / D
-    const V3<T> Hc = A.H * c_v;
-    A.n += V3<T>{A.I.xx * cx + A.I.xy * cy, A.I.xy * cx + A.I.yy * cy, armed ? A.I.xz * cx + A.I.yz * cy : none} +
-           (armed ? Hc : V3<T>{Hc.x, Hc.y, none}) + Uw * step;
-    A.f += V3<T>{A.H.xx * cx + A.H.yx * cy, A.H.xy * cx + A.H.yy * cy, A.H.xz * cx + A.H.yz * cy} + A.M * c_v + Uv * step;
+    A.n += V3<T>{A.I.xx * cx + A.I.xy * cy, A.I.xy * cx + A.I.yy * cy, armed ? A.I.xz * cx + A.I.yz * cy : none} + Uw * step;
+    A.f += V3<T>{A.H.xx * cx + A.H.yx * cy, A.H.xy * cx + A.H.yy * cy, A.H.xz * cx + A.H.yz * cy} + Uv * step;
+    if (o.offset != 0) {
+      const V3<T> Hc = A.H * c_v;
+      A.n.x += Hc.x;
+      A.n.y += Hc.y;
+      if constexpr (armed) A.n.z += Hc.z;
+      A.f += A.M * c_v;
+    }
     if constexpr (armed) {
       A.I = X.up(A.I);
       A.H = X.up(A.H);
@@ -355,25 +354,8 @@ class ForwardKernel {
     A.M = X.up(A.M);
     A.n = X.up(A.n);
     A.f = X.up(A.f);
-    shift(A, r);
+    shift(A, o.offset, c.p);
     hand_on(o, A);
-  }
-
-  /// I and H across the joint where their rows of z are zero.
-  template <Crossing K>
-  UGOKI_INLINE static void up_without_z(const RevoluteCrossing<T, K>& X, Articulated<T>& A) {
-    const T none(0);
-    const T s = X.s, c = X.c, cs = c * s, cc = c * c, ss = s * s;
-    const Sym3T<T> I = A.I;
-    const Mat3T<T> H = A.H;
-    const T dI = I.xx - I.yy;
-    const T Ixx = I.yy + cc * dI - (cs + cs) * I.xy;
-    A.I = exchange_up<K>(Sym3T<T>{Ixx, (I.xx + I.yy) - Ixx, none, cs * dI + (cc - ss) * I.xy, none, none});
-    const T dH = H.xx - H.yy;
-    const T Hxx = H.yy + cc * dH - cs * (H.xy + H.yx);
-    const T Hxy = cs * dH + cc * H.xy - ss * H.yx;
-    A.H = exchange_up<K>(
-        Mat3T<T>{Hxx, Hxy, c * H.xz - s * H.yz, Hxy - (H.xy - H.yx), (H.xx + H.yy) - Hxx, s * H.xz + c * H.yz, none, none, none});
   }
 
   /// Column U = IA S of a freedom that turns about axis k of the node, or slides along it.
@@ -458,7 +440,10 @@ class ForwardKernel {
     A.M = X.up(A.M);
     A.n = X.up(A.n);
     A.f = X.up(A.f);
-    shift(A, pass_.origin(i));
+    if (o.kind == NodeKind::revolute)
+      shift(A, o.offset, c.p);
+    else
+      shift(A, pass_.origin(i));
     hand_on(o, A);
   }
 
@@ -521,14 +506,17 @@ class ForwardKernel {
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const Vec6T<T>& up = acceleration_[place_above(o)];
     const V3<T> w = w_[i + 1];
-    const T rate = v(o.v) * T(c.sign);
+    const T rate = with_sign(o, c, v(o.v));
     V3<T> wd = X.down(up.w);
     wd.x += w.y * rate;
     wd.y -= w.x * rate;
-    const V3<T> a = X.down(up.v + cross(up.w, vector_of<T>(c.p))) + velocity_product_[i];
+    V3<T> a = up.v;
+    subtract_cross(a, o.offset, c.p, up.w);
+    a = X.down(a);
+    if (o.offset != 0) a += velocity_product_[i];
     const FreedomPass& f = freedom_[o.v];
     const T vdot = f.d * ((loops ? reduced_force(i, 0, f) : f.u) - (dot(f.U.w, wd) + dot(f.U.v, a)));
-    give(o.v, vdot * T(c.sign));
+    give(o.v, with_sign(o, c, vdot));
     wd.z += vdot;
     acceleration_[place(i)] = {wd, a};
     if constexpr (loops) loops_.recover(i, acceleration_[place(i)]);

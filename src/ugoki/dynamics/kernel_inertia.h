@@ -158,28 +158,37 @@ class InertiaKernel {
 
   /// Inertia and forces into the parent's frame. The last lanes may run over the range's end: into forces of nodes that come
   /// later and start them anew.
+  /// @param offset, r the node's origin in the parent's frame
   template <class One, class Many>
-  UGOKI_INLINE void carry(const NodeOrder& o, const InertiaT<T>& c, const One& crossing, const Many& crossing_wide, const V3<T>& r) {
-    const V3<T> h = crossing.up(c.h);
-    Sym3T<T> I = crossing.up(c.I);
-    // the parallel-axis theorem for a first moment h about the old origin, which is at r
-    const V3<T> rm = r * c.mass, g = rm + h + h;
-    const T x = r.x * g.x, y = r.y * g.y, z = r.z * g.z;
-    I.xx += y + z;
-    I.yy += x + z;
-    I.zz += x + y;
-    I.xy -= r.x * (rm.y + h.y) + r.y * h.x;
-    I.xz -= r.x * (rm.z + h.z) + r.z * h.x;
-    I.yz -= r.y * (rm.z + h.z) + r.z * h.y;
-    hand_on(o, {c.mass, h + rm, I});
-    const V3<Wide> wide_r = wide(r);
+  UGOKI_INLINE void carry(const NodeOrder& o, const InertiaT<T>& c, const One& crossing, const Many& crossing_wide, Axes offset,
+                          const T* r) {
+    InertiaT<T> up{c.mass, crossing.up(c.h), crossing.up(c.I)};
+    const auto axes = [&](auto&& f) {
+      if ((offset & 1) != 0) f(std::integral_constant<int, 0>{});
+      if ((offset & 2) != 0) f(std::integral_constant<int, 1>{});
+      if ((offset & 4) != 0) f(std::integral_constant<int, 2>{});
+    };
+    axes([&](auto k) { shift_along<k>(up, r[k]); });
+    hand_on(o, up);
     double *const nx = nx_, *const ny = ny_, *const nz = nz_, *const fx = fx_, *const fy = fy_, *const fz = fz_;
     for (int k = o.force_begin * lanes, end = o.force_end * lanes; k < end; k += Wide::count) {
       const V3<Wide> f = crossing_wide.up(load_wide(fx, fy, fz, k));
-      const V3<Wide> n = crossing_wide.up(load_wide(nx, ny, nz, k)) + cross(wide_r, f);
+      V3<Wide> n = crossing_wide.up(load_wide(nx, ny, nz, k));
+      axes([&](auto axis) { add_cross<axis>(n, wide(r[axis]), f); });
       store_wide(f, fx, fy, fz, k);
       store_wide(n, nx, ny, nz, k);
     }
+  }
+  /// The parallel-axis theorem, for an origin that is at r e_k.
+  template <int k>
+  UGOKI_INLINE static void shift_along(InertiaT<T>& c, T r) {
+    constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
+    const T rm = r * c.mass, h = entry<k>(c.h), growth = r * (rm + h + h);
+    entry<i, i>(c.I) += growth;
+    entry<j, j>(c.I) += growth;
+    entry<i, k>(c.I) -= r * entry<i>(c.h);
+    entry<j, k>(c.I) -= r * entry<j>(c.h);
+    entry<k>(c.h) = h + rm;
   }
 
   template <Crossing K>
@@ -193,7 +202,8 @@ class InertiaKernel {
     entries(o.force_begin, o.force_end, c.armature[0], [&](int k) { return Wide::load(nz_ + k) * along; });
     if (!twins && o.parent < 0) return;
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    carry(o, C, X, RevoluteCrossing<Wide, K>{wide(X.s), wide(X.c)}, vector_of<T>(c.p));
+    const T r[3] = {T(c.p[0]), T(c.p[1]), T(c.p[2])};
+    carry(o, C, X, RevoluteCrossing<Wide, K>{wide(X.s), wide(X.c)}, o.offset, r);
   }
 
   void other(int i) {
@@ -243,7 +253,10 @@ class InertiaKernel {
       }
     }
     if (!twins && o.parent < 0) return;
-    carry(o, C, MatrixCrossing<T>{pass_.E[i]}, MatrixCrossing<Wide>{wide(pass_.E[i])}, pass_.origin(i));
+    const V3<T> origin = pass_.origin(i);
+    const T r[3] = {origin.x, origin.y, origin.z};
+    carry(o, C, MatrixCrossing<T>{pass_.E[i]}, MatrixCrossing<Wide>{wide(pass_.E[i])}, o.kind == NodeKind::revolute ? o.offset : Axes{7},
+          r);
   }
 
   Pass<T, Constant> pass_;

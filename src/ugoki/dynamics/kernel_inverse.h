@@ -91,24 +91,28 @@ class InverseKernel {
   UGOKI_INLINE void finish(int i, const V3<T>& w, const V3<T>& wd, const V3<T>& a) {
     const NodeConstants<Constant>& c = a_.constants[i];
     const T xx = w.x * w.x, yy = w.y * w.y, zz = w.z * w.z, xy = w.x * w.y, xz = w.x * w.z, yz = w.y * w.z;
+    const Mat3T<T> K{-(yy + zz), xy - wd.z, xz + wd.y, xy + wd.z, -(xx + zz), yz - wd.x, xz - wd.y, yz + wd.x, -(xx + yy)};
+    const NodeOrder& o = a_.order[i];
     Motion& m = motion_[place(i)];
-    m.K = {-(yy + zz), xy - wd.z, xz + wd.y, xy + wd.z, -(xx + zz), yz - wd.x, xz - wd.y, yz + wd.x, -(xx + yy)};
+    if (o.bends) m.K = K;
     m.a = a;
     m.w = w;
     m.wd = wd;
     Force& g = force_[i];
-    if (a_.order[i].massless) {
+    if (o.massless) {
       const T none(0);
       g = {{none, none, none}, {none, none, none}};
     } else {
-      const V3<T> h = vector_of<T>(c.h);
-      const Mat3T<T>& K = m.K;
       const Sym3T<T> S = symmetric_of<T>(c.second);
-      g.f = a * T(c.mass) + K * h;
-      g.n = V3<T>{(K.zx * S.xy + K.zy * S.yy + K.zz * S.yz) - (K.yx * S.xz + K.yy * S.yz + K.yz * S.zz),
-                  (K.xx * S.xz + K.xy * S.yz + K.xz * S.zz) - (K.zx * S.xx + K.zy * S.xy + K.zz * S.xz),
-                  (K.yx * S.xx + K.yy * S.xy + K.yz * S.xz) - (K.xx * S.xy + K.xy * S.yy + K.xz * S.yz)} +
-            cross(h, a);
+      V3<T> f = a * T(c.mass), n{K.zy * S.yy - K.yz * S.zz, K.xz * S.zz - K.zx * S.xx, K.yx * S.xx - K.xy * S.yy};
+      if (o.oblique) {
+        n.x += (K.zx * S.xy + K.zz * S.yz) - (K.yx * S.xz + K.yy * S.yz);
+        n.y += (K.xx * S.xz + K.xy * S.yz) - (K.zy * S.xy + K.zz * S.xz);
+        n.z += (K.yy * S.xy + K.yz * S.xz) - (K.xx * S.xy + K.xz * S.yz);
+      }
+      add_product(f, K, o.moment, c.h);
+      add_cross(n, o.moment, c.h, a);
+      g = {n, f};
     }
     if (pass_.wrench != nullptr) {
       g.n -= pass_.wrench[i].w;
@@ -122,16 +126,24 @@ class InverseKernel {
     const NodeConstants<Constant>& c = a_.constants[i];
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const Motion& p = motion_[place_above(o)];
-    const V3<T> w = X.down(p.w), wd = X.down(p.wd), a = X.down(p.a + p.K * vector_of<T>(c.p));
-    const T rate = v(o.v) * T(c.sign);
-    finish(i, {w.x, w.y, w.z + rate}, {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + vdot(o.v) * T(c.sign)}, a);
+    V3<T> a = p.a;
+    add_product(a, p.K, o.offset, c.p);
+    a = X.down(a);
+    const V3<T> w = X.down(p.w), wd = X.down(p.wd);
+    const T rate = with_sign(o, c, v(o.v));
+    finish(i, {w.x, w.y, w.z + rate}, {wd.x + w.y * rate, wd.y - w.x * rate, wd.z + with_sign(o, c, vdot(o.v))}, a);
   }
 
   void outward(int i) {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
     const Motion& p = motion_[place_above(o)];
-    V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, p.wd), a = pass_.down(i, p.a + p.K * pass_.origin(i));
+    V3<T> w = pass_.down(i, p.w), wd = pass_.down(i, p.wd), a = p.a;
+    if (o.kind == NodeKind::revolute)
+      add_product(a, p.K, o.offset, c.p);
+    else
+      a += p.K * pass_.origin(i);
+    a = pass_.down(i, a);
     const T sign(c.sign), two(2);
     if (o.kind == NodeKind::revolute || o.kind == NodeKind::helical) {
       const T rate = v(o.v) * sign;
@@ -152,15 +164,16 @@ class InverseKernel {
     finish(i, w, wd, a);
   }
 
-  UGOKI_INLINE void pass_on(const NodeOrder& o, const V3<T>& n, const V3<T>& f, const V3<T>& r) {
+  /// @param n, f in the parent's axes about its origin
+  UGOKI_INLINE void pass_on(const NodeOrder& o, const V3<T>& n, const V3<T>& f) {
     if (!twins && o.parent < 0) return;
     if (twins && o.parent < 0) {
-      handed_on_ = {n + cross(r, f), f};
+      handed_on_ = {n, f};
       return;
     }
     Force& g = force_[o.parent];
     g.f += f;
-    g.n += n + cross(r, f);
+    g.n += n;
   }
 
   template <Crossing K>
@@ -168,9 +181,13 @@ class InverseKernel {
     const NodeOrder& o = a_.order[i];
     const NodeConstants<Constant>& c = a_.constants[i];
     const Force g = force_[i];
-    give(o.v, g.n.z * T(c.sign) + T(c.armature[0]) * vdot(o.v));
+    const T along = with_sign(o, c, g.n.z);
+    give(o.v, o.armed ? along + T(c.armature[0]) * vdot(o.v) : along);
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
-    pass_on(o, X.up(g.n), X.up(g.f), vector_of<T>(c.p));
+    V3<T> n = X.up(g.n);
+    const V3<T> f = X.up(g.f);
+    add_cross(n, o.offset, c.p, f);
+    pass_on(o, n, f);
   }
 
   void inward(int i) {
@@ -197,7 +214,8 @@ class InverseKernel {
     }
     if (!twins && o.parent < 0) return;
     const MatrixCrossing<T> X{pass_.E[i]};
-    pass_on(o, X.up(g.n), X.up(g.f), pass_.origin(i));
+    const V3<T> f = X.up(g.f);
+    pass_on(o, X.up(g.n) + cross(pass_.origin(i), f), f);
   }
 
   Pass<T, Constant> pass_;

@@ -129,11 +129,13 @@ class PathForward {
     pass(kernel_.freedom_[o.v], P.w.z, P, g, s, t);
     const V3<One> w = kernel_.w_[i + 1];
     const One rate = kernel_.v(o.v) * One(c.sign);
-    g -= (P.w.x * wide(w.y * rate) - P.w.y * wide(w.x * rate)) + along(P.v, kernel_.velocity_product_[i]);
+    g -= P.w.x * wide(w.y * rate) - P.w.y * wide(w.x * rate);
+    if (o.offset != 0) g -= along(P.v, kernel_.velocity_product_[i]);
     const RevoluteCrossing<One, K> one = kernel_.pass_.template revolute<K>(o);
     const RevoluteCrossing<Rows, K> X{wide(one.s), wide(one.c)};
     P.v = X.up(P.v);
-    P.w = X.up(P.w) + ugoki::cross(wide(vector_of<One>(c.p)), P.v);
+    P.w = X.up(P.w);
+    add_cross(P.w, o.offset, c.p, P.v);
   }
 
   void other(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) const {

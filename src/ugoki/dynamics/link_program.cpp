@@ -160,12 +160,15 @@ NodeConstants<double> constants_of(const Draft& d) {
   std::ranges::copy(I, c.I);
   const double half_trace = 0.5 * (I[0] + I[1] + I[2]);
   for (int k = 0; k < 6; ++k) c.second[k] = (k < 3 ? half_trace : 0.0) - I[k];
+  for (int k = 0; k < 3; ++k) c.spread[k] = I[(k + 2) % 3] - I[(k + 1) % 3];
   std::ranges::copy(d.armature, c.armature);
   c.sign = d.sign;
   c.mass = inertia.mass;
   c.pitch = d.pitch;
   return c;
 }
+
+Axes axes_of(const double* x) { return static_cast<Axes>((x[0] != 0 ? 1 : 0) | (x[1] != 0 ? 2 : 0) | (x[2] != 0 ? 4 : 0)); }
 
 }  // namespace
 
@@ -197,8 +200,15 @@ LinkProgram::LinkProgram(const Mechanism& m) : nq(m.nq()), nv(m.nv()) {
       angle_sign.push_back(d.sign);
     }
     if (node.parent >= 0) last[static_cast<std::size_t>(node.parent)] = static_cast<int>(i);
-    order.push_back(node);
     constants.push_back(constants_of(d));
+    const NodeConstants<double>& c = constants.back();
+    node.offset = axes_of(c.p);
+    node.moment = axes_of(c.h);
+    node.oblique = axes_of(c.I + 3) != 0;
+    node.armed = axes_of(c.armature) != 0 || axes_of(c.armature + 3) != 0;
+    node.reversed = c.sign < 0;
+    if (node.parent >= 0) order[static_cast<std::size_t>(node.parent)].bends |= node.offset != 0 || node.kind != NodeKind::revolute;
+    order.push_back(node);
   }
   slots = mark_children(order);
   for (std::size_t i = order.size(); i-- > 0;) {
@@ -239,6 +249,7 @@ std::vector<NodeConstants<float>> in_single_precision(std::span<const NodeConsta
     convert(out[i].p, c.p);
     convert(out[i].h, c.h);
     convert(out[i].I, c.I);
+    convert(out[i].spread, c.spread);
     convert(out[i].second, c.second);
     convert(out[i].armature, c.armature);
     convert(out[i].R, c.R);

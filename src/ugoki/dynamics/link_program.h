@@ -22,6 +22,9 @@ enum class NodeKind : std::uint8_t { revolute, prismatic, helical, spherical, fl
 /// (v.z, v.x, v.y) for `cycle`, (v.y, v.z, v.x) for `cycle_back`), or a whole rotation matrix.
 enum class Crossing : std::uint8_t { none, cycle, cycle_back, matrix };
 
+/// Some of x (bit 0), y (bit 1), z (bit 2).
+using Axes = std::uint8_t;
+
 /// What does not depend on the scalar.
 struct NodeOrder {
   NodeKind kind = NodeKind::revolute;
@@ -31,6 +34,12 @@ struct NodeOrder {
   bool last_child = false;   ///< of a parent with several children: the one that comes last
   bool turned = true;        ///< R is not the identity
   bool massless = false;     ///< mass, h and I are zero
+  bool oblique = false;      ///< I has products of inertia
+  bool armed = false;        ///< armature is not zero
+  bool reversed = false;     ///< sign is -1
+  bool bends = false;        ///< its children's origins are not all its own
+  Axes offset = 0;           ///< coordinates of p that are not zero
+  Axes moment = 0;           ///< coordinates of h that are not zero
   int parent = -1;           ///< node; -1: the world
   int level = 0;             ///< nodes above
   int slot = -1;             ///< of a node with several children: where what they pass on is added up
@@ -44,15 +53,16 @@ struct NodeOrder {
 
 /// Constants of a node; Real: double or float.
 template <class Real>
-struct NodeConstants {
-  Real p[3];         ///< m: the node's origin in the parent's frame at q = 0
-  Real sign;         ///< +1; -1: the joint turns about, or slides along, -z
-  Real mass, h[3];   ///< kg, kg m: in the node's frame
-  Real I[6];         ///< kg m^2 about the node's origin: xx yy zz xy xz yz
-  Real second[6];    ///< kg m^2: second moments of mass, tr(I)/2 1 - I, in the order of I
-  Real armature[6];  ///< of its freedoms
-  Real R[9];         ///< rotation of the node's frame at q = 0 in the parent's, row by row
-  Real pitch;        ///< m/rad (helical)
+struct alignas(64) NodeConstants {  // what most kernels need of most nodes is in the first two cache lines
+  Real p[3];                        ///< m: the node's origin in the parent's frame at q = 0
+  Real sign;                        ///< +1; -1: the joint turns about, or slides along, -z
+  Real mass, h[3];                  ///< kg, kg m: in the node's frame
+  Real spread[3];                   ///< kg m^2: Izz - Iyy, Ixx - Izz, Iyy - Ixx
+  Real I[6];                        ///< kg m^2 about the node's origin: xx yy zz xy xz yz
+  Real second[6];                   ///< kg m^2: second moments of mass, tr(I)/2 1 - I, in the order of I
+  Real armature[6];                 ///< of its freedoms
+  Real R[9];                        ///< rotation of the node's frame at q = 0 in the parent's, row by row
+  Real pitch;                       ///< m/rad (helical)
 };
 
 struct LinkPlace {

@@ -81,6 +81,11 @@ class Search {
     for (int i = a; i < order(a).end; ++i) {
       NodeOrder o = order(i);
       const NodeOrder& other = order(b + i - a);
+      o.offset |= other.offset;
+      o.moment |= other.moment;
+      o.oblique |= other.oblique;
+      o.armed |= other.armed;
+      o.bends |= other.bends;
       o.parent = i == a ? -1 : o.parent - a;
       if (o.angle >= 0) {
         for (const NodeOrder* x : {&order(i), &other}) t.angle_sign.push_back(p_.angle_sign[at(x->angle)]);
@@ -164,6 +169,7 @@ class Search {
     both(&c.mass, &a.mass, &b.mass, 1);
     both(c.h, a.h, b.h, 3);
     both(c.I, a.I, b.I, 6);
+    both(c.spread, a.spread, b.spread, 3);
     both(c.second, a.second, b.second, 6);
     both(c.armature, a.armature, b.armature, 6);
     both(c.R, a.R, b.R, 9);

@@ -104,6 +104,9 @@ Lanes<Real, N> select(LaneMask<Real, N> mask, Lanes<Real, N> a, Lanes<Real, N> b
 }
 template <class Real, int N>
 bool any(LaneMask<Real, N> mask) {
+#if __has_builtin(__builtin_reduce_or)
+  if constexpr (N > 1) return __builtin_reduce_or(mask.m) != 0;
+#endif
   bool out = false;
   for (int i = 0; i < N; ++i) out = out || mask[i];
   return out;

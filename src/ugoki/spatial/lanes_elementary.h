@@ -14,23 +14,16 @@ struct LaneSinCos {
 template <class T>
 using LaneBits = std::conditional_t<sizeof(typename T::Real) == 8, std::int64_t, std::int32_t>;
 
-/// Greatest integers not above; |x| < 2^51 (double), 2^22 (float).
+/// Added and taken away it rounds to an integer, whose bits are then the last of the sum; |x| < 2^51 (double), 2^22 (float).
 template <class T>
-T lane_floor(T x) {
-  using Real = typename T::Real;
-  constexpr Real magic = sizeof(Real) == 8 ? Real(0x1.8p52) : Real(0x1.8p23);
-  const T nearest = (x + T(magic)) - T(magic);
-  return nearest - select(nearest > x, T(Real(1)), T(Real(0)));
-}
+constexpr typename T::Real rounding = sizeof(typename T::Real) == 8 ? typename T::Real(0x1.8p52) : typename T::Real(0x1.8p23);
 
-/// sin and cos of r + n pi/2 from those of r: swapped and negated by the two lowest bits of n.
+/// sin and cos of r + n pi/2 from those of r: swapped and negated by the two lowest bits of n. @param shifted n + rounding
 template <class T>
-LaneSinCos<T> turn_by_quarters(T n, T s, T c) {
+LaneSinCos<T> turn_by_quarters(T shifted, T s, T c) {
   using Real = typename T::Real;
   using Int = LaneBits<T>;
-  constexpr Real magic = sizeof(Real) == 8 ? Real(0x1.8p52) : Real(0x1.8p23);
   constexpr int top = 8 * int{sizeof(Real)} - 2;
-  const T shifted = n + T(magic);
   if constexpr (T::count == 1) {
     const Int k = __builtin_bit_cast(Int, shifted.v);
     const Real a = (k & 1) != 0 ? c.v : s.v, b = (k & 1) != 0 ? s.v : c.v;
@@ -49,42 +42,39 @@ LaneSinCos<T> turn_by_quarters(T n, T s, T c) {
 template <int N>
 LaneSinCos<Lanes<double, N>> lane_sin_cos(Lanes<double, N> x) {
   using T = Lanes<double, N>;
-  const T n = lane_floor(x * T(2.0 / 3.14159265358979323846) + T(0.5));
+  const T shifted = x * T(2.0 / 3.14159265358979323846) + T(rounding<T>), n = shifted - T(rounding<T>);
   T head = (x - n * T(0x1.921fb544p+0)) - n * T(0x1.0b4611a6p-34);
   T small = n * T(0x1.3198a2e037073p-69);
   T smaller(0.0);
-  const auto far = (!(n < T(0x1p20))) | (!(n > T(-0x1p20)));
-  if (any(far)) {
+  const auto far = !(n * n < T(0x1p40));
+  const bool any_far = any(far);
+  if (any_far) {
     head = select(far, (x - n * T(0x1.921fb54000000p+0)) - n * T(0x1.10b4600000000p-30), head);
     small = select(far, n * T(0x1.1a62630000000p-54), small);
     smaller = select(far, n * T(0x1.8a2e03707344ap-81), smaller);
   }
   const T r = head - small;
-  const T taken = head - r;
-  const T tail = ((head - (r + taken)) + (taken - small)) - smaller;
+  T tail = (head - r) - small;
+  if (any_far) tail -= smaller;
 
   const T z = r * r;
-  T s(1.0 / 355687428096000.0);
-  s = s * z - T(1.0 / 1307674368000.0);
-  s = s * z + T(1.0 / 6227020800.0);
-  s = s * z - T(1.0 / 39916800.0);
-  s = s * z + T(1.0 / 362880.0);
-  s = s * z - T(1.0 / 5040.0);
-  s = s * z + T(1.0 / 120.0);
-  s = s * z - T(1.0 / 6.0);
+  T s(0x1.5d932f161657ap-33);
+  s = s * z - T(0x1.ae5e66d444051p-26);
+  s = s * z + T(0x1.71de357873a88p-19);
+  s = s * z - T(0x1.a01a019c126a5p-13);
+  s = s * z + T(0x1.111111110f881p-7);
+  s = s * z - T(0x1.5555555555549p-3);
   const T sine = r + (r * (z * s) + tail);
-  T c(1.0 / 20922789888000.0);
-  c = c * z - T(1.0 / 87178291200.0);
-  c = c * z + T(1.0 / 479001600.0);
-  c = c * z - T(1.0 / 3628800.0);
-  c = c * z + T(1.0 / 40320.0);
-  c = c * z - T(1.0 / 720.0);
-  c = c * z + T(1.0 / 24.0);
-  const T half = T(0.5) * z;
-  const T cap = T(1.0) - half;
-  const T cosine = cap + (((T(1.0) - cap) - half) + (z * z * c - r * tail));
+  T c(-0x1.8faecefbf270ep-37);
+  c = c * z + T(0x1.1ee9ec474fb94p-29);
+  c = c * z - T(0x1.27e4f80a75c69p-22);
+  c = c * z + T(0x1.a01a019cb26e2p-16);
+  c = c * z - T(0x1.6c16c16c15184p-10);
+  c = c * z + T(0x1.555555555554cp-5);
+  const T cosine = T(1.0) - (T(0.5) * z - (z * z * c - r * tail));
 
-  const LaneSinCos<T> out = turn_by_quarters(n, sine, cosine);
+  const LaneSinCos<T> out = turn_by_quarters(shifted, sine, cosine);
+  if (!any_far) return out;
   const auto outside = (!(x > T(-1e8))) | (!(x < T(1e8)));
   const T nan(__builtin_nan(""));
   return {select(outside, nan, out.sin), select(outside, nan, out.cos)};
@@ -94,7 +84,7 @@ LaneSinCos<Lanes<double, N>> lane_sin_cos(Lanes<double, N> x) {
 template <int N>
 LaneSinCos<Lanes<float, N>> lane_sin_cos(Lanes<float, N> x) {
   using T = Lanes<float, N>;
-  const T n = lane_floor(x * T(0.636619772f) + T(0.5f));
+  const T shifted = x * T(0.636619772f) + T(rounding<T>), n = shifted - T(rounding<T>);
   const T r = ((x - n * T(1.5703125f)) - n * T(4.837512969970703125e-4f)) - n * T(7.549789948768648e-8f);
   const T z = r * r;
   T s(1.0f / 362880.0f);
@@ -107,8 +97,9 @@ LaneSinCos<Lanes<float, N>> lane_sin_cos(Lanes<float, N> x) {
   c = c * z - T(1.0f / 720.0f);
   c = c * z + T(1.0f / 24.0f);
   const T cosine = (T(1.0f) - T(0.5f) * z) + z * z * c;
-  const LaneSinCos<T> out = turn_by_quarters(n, sine, cosine);
-  const auto outside = (!(x > T(-1e5f))) | (!(x < T(1e5f)));
+  const LaneSinCos<T> out = turn_by_quarters(shifted, sine, cosine);
+  const auto outside = !(x * x < T(1e10f));
+  if (!any(outside)) return out;
   const T nan(__builtin_nanf(""));
   return {select(outside, nan, out.sin), select(outside, nan, out.cos)};
 }
