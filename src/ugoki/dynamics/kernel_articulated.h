@@ -88,19 +88,39 @@ UGOKI_INLINE void up_without_z(const RevoluteCrossing<T, K>& X, Articulated<T>& 
 }
 
 /// Moves an articulated inertia and its bias force, axes unchanged, from a point at r e_k to the origin.
-template <int k, class T>
+/// @tparam zero the row of I and H that is zero; 3: none
+template <int k, int zero, class T>
 UGOKI_INLINE void shift_along(Articulated<T>& a, T r) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
   Mat3T<T>& H = a.H;
-  const T ii = entry<i, i>(H) - r * entry<i, j>(a.M), ij = entry<i, j>(H) - r * entry<j, j>(a.M),
-          ik = entry<i, k>(H) - r * entry<j, k>(a.M);
-  const T ji = entry<j, i>(H) + r * entry<i, i>(a.M), jj = entry<j, j>(H) + r * entry<i, j>(a.M),
-          jk = entry<j, k>(H) + r * entry<i, k>(a.M);
-  entry<i, i>(a.I) -= r * (entry<i, j>(H) + ij);
-  entry<j, j>(a.I) += r * (entry<j, i>(H) + ji);
-  entry<i, j>(a.I) += r * (ii - entry<j, j>(H));
-  entry<i, k>(a.I) -= r * entry<k, j>(H);
-  entry<j, k>(a.I) += r * entry<k, i>(H);
+  const T mii = r * entry<i, i>(a.M), mij = r * entry<i, j>(a.M), mjj = r * entry<j, j>(a.M), mik = r * entry<i, k>(a.M),
+          mjk = r * entry<j, k>(a.M);
+  const T ii = zero == i ? -mij : entry<i, i>(H) - mij, ij = zero == i ? -mjj : entry<i, j>(H) - mjj,
+          ik = zero == i ? -mjk : entry<i, k>(H) - mjk;
+  const T ji = zero == j ? mii : entry<j, i>(H) + mii, jj = zero == j ? mij : entry<j, j>(H) + mij,
+          jk = zero == j ? mik : entry<j, k>(H) + mik;
+  if constexpr (zero == i)
+    entry<i, i>(a.I) = -(r * ij);
+  else
+    entry<i, i>(a.I) -= r * (entry<i, j>(H) + ij);
+  if constexpr (zero == j)
+    entry<j, j>(a.I) = r * ji;
+  else
+    entry<j, j>(a.I) += r * (entry<j, i>(H) + ji);
+  if constexpr (zero == i)
+    entry<i, j>(a.I) = r * (ii - entry<j, j>(H));
+  else if constexpr (zero == j)
+    entry<i, j>(a.I) = r * ii;
+  else
+    entry<i, j>(a.I) += r * (ii - entry<j, j>(H));
+  if constexpr (zero == i)
+    entry<i, k>(a.I) = -(r * entry<k, j>(H));
+  else if constexpr (zero != k)
+    entry<i, k>(a.I) -= r * entry<k, j>(H);
+  if constexpr (zero == j)
+    entry<j, k>(a.I) = r * entry<k, i>(H);
+  else if constexpr (zero != k)
+    entry<j, k>(a.I) += r * entry<k, i>(H);
   entry<i, i>(H) = ii;
   entry<i, j>(H) = ij;
   entry<i, k>(H) = ik;
@@ -109,9 +129,15 @@ UGOKI_INLINE void shift_along(Articulated<T>& a, T r) {
   entry<j, k>(H) = jk;
   add_cross<k>(a.n, r, a.f);
 }
-template <class T, class Constant>
+template <int zero, class T, class Constant>
 UGOKI_INLINE void shift(Articulated<T>& a, Axes present, const Constant* r) {
-  for_axes<T>(present, r, [&](auto k, T x) { shift_along<k>(a, x); });
+  switch (present) {
+    case 0: return;
+    case 1: return shift_along<0, zero>(a, T(r[0]));
+    case 2: return shift_along<1, zero>(a, T(r[1]));
+    case 4: return shift_along<2, zero>(a, T(r[2]));
+    default: for_axes<T>(present, r, [&](auto k, T x) { shift_along<k, 3>(a, x); });
+  }
 }
 
 /// The same for any r.

@@ -158,22 +158,34 @@ UGOKI_INLINE void add_cross(V3<T>& out, T x, const V3<T>& v) {
   entry<i>(out) -= x * entry<j>(v);
   entry<j>(out) += x * entry<i>(v);
 }
+// All three at once where none is zero: shorter chains of sums.
+constexpr Axes all_axes = 7;
+
 /// out + c x v, c a constant
 template <class T, class Constant>
 UGOKI_INLINE void add_cross(V3<T>& out, Axes present, const Constant* c, const V3<T>& v) {
-  for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, x, v); });
+  if (present == all_axes)
+    out += cross(vector_of<T>(c), v);
+  else
+    for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, x, v); });
 }
 /// out + v x c
 template <class T, class Constant>
 UGOKI_INLINE void subtract_cross(V3<T>& out, Axes present, const Constant* c, const V3<T>& v) {
-  for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, -x, v); });
+  if (present == all_axes)
+    out += cross(v, vector_of<T>(c));
+  else
+    for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, -x, v); });
 }
 /// out + A c
 template <class T, class Constant>
 UGOKI_INLINE void add_product(V3<T>& out, const Mat3T<T>& A, Axes present, const Constant* c) {
-  for_axes<T>(present, c, [&](auto k, T x) {
-    out += (k == 0 ? V3<T>{A.xx, A.yx, A.zx} : k == 1 ? V3<T>{A.xy, A.yy, A.zy} : V3<T>{A.xz, A.yz, A.zz}) * x;
-  });
+  if (present == all_axes)
+    out += A * vector_of<T>(c);
+  else
+    for_axes<T>(present, c, [&](auto k, T x) {
+      out += (k == 0 ? V3<T>{A.xx, A.yx, A.zx} : k == 1 ? V3<T>{A.xy, A.yy, A.zy} : V3<T>{A.xz, A.yz, A.zz}) * x;
+    });
 }
 
 /// w x (w x x e_k)

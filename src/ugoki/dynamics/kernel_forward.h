@@ -291,9 +291,11 @@ class ForwardKernel {
     const V3<T> w = w_[i + 1];
     const T rate = with_sign(o, c, v(o.v));
     V3<T> c_v{none, none, none};
-    if (o.offset != 0) c_v = X.down(centripetal(w_[o.parent + 1], o.offset, c.p));
+    if (o.offset != 0) {
+      c_v = X.down(centripetal(w_[o.parent + 1], o.offset, c.p));
+      velocity_product_[i] = c_v;
+    }
     const T cx = w.y * rate, cy = -(w.x * rate);
-    velocity_product_[i] = c_v;
     FreedomPass& f = freedom_[o.v];
     const V3<T> Uw{A.I.xz, A.I.yz, A.I.zz}, Uv = A.H.row(2);
     const T d = inverse_pivot(armed ? Uw.z + T(c.armature[0]) : Uw.z);
@@ -354,7 +356,8 @@ class ForwardKernel {
     A.M = X.up(A.M);
     A.n = X.up(A.n);
     A.f = X.up(A.f);
-    shift(A, o.offset, c.p);
+    constexpr int z_above = K == Crossing::cycle ? 0 : K == Crossing::cycle_back ? 1 : 2;
+    shift<armed ? 3 : z_above>(A, o.offset, c.p);
     hand_on(o, A);
   }
 
@@ -441,7 +444,7 @@ class ForwardKernel {
     A.n = X.up(A.n);
     A.f = X.up(A.f);
     if (o.kind == NodeKind::revolute)
-      shift(A, o.offset, c.p);
+      shift<3>(A, o.offset, c.p);
     else
       shift(A, pass_.origin(i));
     hand_on(o, A);
@@ -568,7 +571,7 @@ class ForwardKernel {
   Pass<T, Constant> pass_;
   const KernelArguments<Real, Constant>& a_;
   V3<T>* w_;                 // [nodes + 1], the world first
-  V3<T>* velocity_product_;  // [nodes] linear part, of plain revolute joints
+  V3<T>* velocity_product_;  // [nodes] linear part, of plain revolute joints whose origin is not the parent's
   FreedomPass* freedom_;     // [nv]
   Vec6T<T>* acceleration_;   // [nodes + 1] at place()
   Articulated<T>* slots_;
