@@ -1,15 +1,10 @@
 #include "ugoki/collision/gilbert.h"
 
-#include "ugoki/collision/gilbert_search.h"
 #include "ugoki/collision/gilbert_width.h"
+#include "ugoki/collision/hull_search.h"
 
 namespace ugoki::collision {
 namespace {
-
-bool all_finite(const Pose& X) {
-  const double sum = X.R.xx + X.R.xy + X.R.xz + X.R.yx + X.R.yy + X.R.yz + X.R.zx + X.R.zy + X.R.zz + X.p.x + X.p.y + X.p.z;
-  return sum - sum == 0;
-}
 
 /// One of them a half-space: closed form.
 GilbertResult half_space_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB) {
@@ -37,6 +32,7 @@ GilbertResult half_space_distance(const Support& a, const Pose& X_WA, const Supp
 
 #ifdef UGOKI_X86_WIDTHS
 const bool has_avx2 = __builtin_cpu_supports("avx2") != 0;
+const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq");
 #endif
 
 bool is_empty(const Support& s) { return s.kind == SupportKind::hull && (s.hull == nullptr || s.hull->vertices.empty()); }
@@ -46,13 +42,15 @@ bool has_walk(const Support& s) { return s.kind == SupportKind::hull && !s.hull-
 
 GilbertResult gilbert_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                const GilbertOptions& options) {
-  if (!all_finite(X_WA) || !all_finite(X_WB) || is_empty(a) || is_empty(b)) return {};
+  if (is_empty(a) || is_empty(b)) return {};
   if (has_walk(a) && has_walk(b)) {
 #ifdef UGOKI_X86_WIDTHS
+    if (has_avx512) return hull_distance_avx512(a, X_WA, b, X_WB, cache, options);
     if (has_avx2) return hull_distance_avx2(a, X_WA, b, X_WB, cache, options);
 #endif
-    return Search<HullCore, HullCore>(a, X_WA, b, X_WB, cache, options).run();
+    return hull_distance(a, X_WA, b, X_WB, cache, options);
   }
+  if (!all_finite(X_WA) || !all_finite(X_WB)) return {};
   if (a.kind == SupportKind::half_space || b.kind == SupportKind::half_space) return half_space_distance(a, X_WA, b, X_WB);
   return Search<AnyCore, AnyCore>(a, X_WA, b, X_WB, cache, options).run();
 }

@@ -1,7 +1,7 @@
 #pragma once
-// The search of Gilbert's method, for the translation units that compile it for each width of registers (gilbert.cpp, gilbert_avx2.cpp):
-// the same operations in the same order, so the same bits. Internal linkage on purpose: no function made for wide registers
-// may be merged with one made for others.
+// The search of Gilbert's method, for the translation units that compile it for each width of registers (gilbert.cpp, gilbert_avx2.cpp,
+// gilbert_avx512.cpp): the same operations in the same order, so the same bits. Internal linkage on purpose: no function made for wide
+// registers may be merged with one made for others.
 
 #include <cmath>
 
@@ -16,6 +16,11 @@ constexpr double rounding = 1e-15;  ///< of the coordinates: what a difference o
 constexpr double touch = 1e-14;     ///< of the coordinates: nearer is touching
 
 constexpr int most_fresh_starts = 5;
+
+static inline bool all_finite(const Pose& X) {
+  const double sum = X.R.xx + X.R.xy + X.R.xz + X.R.yx + X.R.yy + X.R.yz + X.R.zx + X.R.zy + X.R.zz + X.p.x + X.p.y + X.p.z;
+  return sum - sum == 0;
+}
 
 /// A hull as the search sees it.
 struct HullCore {

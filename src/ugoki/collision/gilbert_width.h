@@ -7,5 +7,7 @@ namespace ugoki::collision {
 
 [[nodiscard]] GilbertResult hull_distance_avx2(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
                                                const GilbertOptions& options);
+[[nodiscard]] GilbertResult hull_distance_avx512(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB,
+                                                 GilbertCache& cache, const GilbertOptions& options);
 
 }  // namespace ugoki::collision

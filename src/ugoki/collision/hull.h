@@ -21,11 +21,11 @@ struct HullWalk {
     std::int32_t more;        ///< index into `overflow`
     std::int32_t more_count;  ///< how many neighbours beyond eight
   };
-  std::vector<Node> nodes;             ///< [vertices]; of hulls that are scanned: as few as hold all vertices as neighbours
+  std::vector<Node> nodes;             ///< [vertices]
+  std::vector<Node> scan;              ///< of hulls so small that all vertices are looked at: as few as hold all as neighbours
   std::vector<std::int32_t> overflow;  ///< neighbours beyond eight
   std::vector<std::int32_t> seeds;     ///< [6 cells^2] vertex that is extreme along the middle of each cell of a cube of directions
   std::int32_t cells = 0;              ///< cells along an edge of the cube
-  bool scanned = false;                ///< so few vertices that all are looked at
 };
 
 /// Convex hull of a set of points: a solid, or flat (dimension 2), a segment (1) or a point (0).

@@ -173,9 +173,7 @@ void make_walk(Hull& h) {
   if (n <= scanned) {
     std::vector<std::int32_t> all(n);
     for (std::size_t v = 0; v < n; ++v) all[v] = static_cast<std::int32_t>(v);
-    for (std::size_t v = 0; v < n; v += 8) walk.nodes.push_back(make_node(h.vertices, v, std::span(all).subspan(v)));
-    walk.scanned = true;
-    return;
+    for (std::size_t v = 0; v < n; v += 8) walk.scan.push_back(make_node(h.vertices, v, std::span(all).subspan(v)));
   }
   walk.nodes.reserve(n);
   for (std::size_t v = 0; v < n; ++v) {
@@ -188,6 +186,7 @@ void make_walk(Hull& h) {
     }
     walk.nodes.push_back(node);
   }
+  if (n <= scanned) return;
   const auto cells = std::clamp(static_cast<std::int32_t>(std::sqrt(static_cast<double>(n) / 6)), 2, 64);
   std::int32_t v = 0;
   for (std::int32_t side = 0; side < 6; ++side)

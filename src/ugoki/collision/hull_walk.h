@@ -53,10 +53,10 @@ std::int32_t highest_of_overflow(const Hull& hull, const HullWalk::Node& node, c
 /// find_extreme_vertex for a hull with a walk. Every step goes strictly uphill in the very numbers that are compared, so it ends.
 static inline std::int32_t walk_to_extreme(const Hull& hull, const Vec3& d, std::int32_t v) {
   const HullWalk::Node* nodes = hull.walk.nodes.data();
-  if (hull.walk.scanned) {
+  if (!hull.walk.scan.empty()) {
     double f = -1e308;
     std::int32_t best = 0;
-    for (const HullWalk::Node& node : hull.walk.nodes) best = highest_of(node, d, f, best);
+    for (const HullWalk::Node& node : hull.walk.scan) best = highest_of(node, d, f, best);
     return best;
   }
   double f = nodes[v].own[0] * d.x + nodes[v].own[1] * d.y + nodes[v].own[2] * d.z;

@@ -1,0 +1,225 @@
+#pragma once
+// Gilbert's search of two hulls in slow motion, for the translation units that compile it for each width of registers: the same operations
+// in the same order, so the same bits. Everything stays in lanes and is chosen by masks, so that nothing waits for memory or for
+// a branch that cannot be foretold: the hulls are looked at ring by ring (a vertex and its neighbours), one ring of each a step.
+// Internal linkage on purpose: see gilbert_search.h.
+
+#include <cmath>
+
+#include "ugoki/collision/gilbert_search.h"
+#include "ugoki/collision/lane_simplex.h"
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"  // of vectors as results: no function here is called from elsewhere
+
+namespace ugoki::collision {
+namespace {  // NOLINT(google-build-namespaces): see above
+
+constexpr int most_rings = 24;        ///< looked at before the general search takes over
+constexpr double least_apart = 1e-5;  ///< of the coordinates: nearer pairs are the general search's
+constexpr double level = 1e-15;       ///< of the coordinates: neighbours that are higher by less are as high
+
+/// Leaves points where they are.
+struct InPlace {
+  Four3 operator()(const Four3& q) const { return q; }
+};
+
+/// A pose, each of its numbers in all lanes.
+struct LanePose {
+  Four3 x, y, z;  ///< rows
+  Four3 p;        ///< m
+
+  Four3 operator()(const Four3& q) const {
+    return {x.x * q.x + x.y * q.y + x.z * q.z + p.x, y.x * q.x + y.y * q.y + y.z * q.z + p.y, z.x * q.x + z.y * q.y + z.z * q.z + p.z};
+  }
+};
+
+/// Row `row` of a pose's matrix; the last lane is whatever follows it there.
+static inline Four row_of(const Pose& X, int row) {
+  static_assert(sizeof(Pose) == 12 * sizeof(double));
+  Four out;
+  __builtin_memcpy(&out, reinterpret_cast<const char*>(&X) + row * 24, sizeof out);
+  return out;
+}
+
+/// Pose of b in a.
+static inline LanePose between(const Pose& X_WA, const Pose& X_WB) {
+  const Four a0 = row_of(X_WA, 0), a1 = row_of(X_WA, 1), a2 = row_of(X_WA, 2);
+  const Four b0 = row_of(X_WB, 0), b1 = row_of(X_WB, 1), b2 = row_of(X_WB, 2);
+  const Mat3& A = X_WA.R;
+  const Four x = all(A.xx) * b0 + all(A.yx) * b1 + all(A.zx) * b2;
+  const Four y = all(A.xy) * b0 + all(A.yy) * b1 + all(A.zy) * b2;
+  const Four z = all(A.xz) * b0 + all(A.yz) * b1 + all(A.zz) * b2;
+  const Four p = a0 * all(X_WB.p.x - X_WA.p.x) + a1 * all(X_WB.p.y - X_WA.p.y) + a2 * all(X_WB.p.z - X_WA.p.z);
+  return {spread(x), spread(y), spread(z), spread(p)};
+}
+
+/// Where a step on a hull has led, in the frame of a.
+struct Place {
+  Four3 at;  ///< m, all lanes the same
+  std::int32_t vertex;
+  bool moved;
+};
+
+/// A step among the neighbours beyond eight, after one among the eight. Takes copies, so that nothing of the search must lie in memory for
+/// it.
+template <class Move>
+[[gnu::noinline]] static Place step_beyond(const Hull& h, const HullWalk::Node& node, Move move, Four3 v, double slack, Place best) {
+  const auto more = static_cast<std::size_t>(node.more), count = static_cast<std::size_t>(node.more_count);
+  for (std::size_t i = more; i < more + count; ++i) {
+    const std::int32_t vertex = h.walk.overflow[i];
+    const Four3 at = move(all(h.vertices[static_cast<std::size_t>(vertex)]));
+    if (dot(v, at)[0] < dot(v, best.at)[0] - (best.moved ? 0 : slack)) best = {at, vertex, true};
+  }
+  return best;
+}
+
+/// One step down along v from `middle`: to its lowest neighbour (of which those that differ by rounding are as good), or none.
+/// @param at `middle` in the frame of a, all lanes the same
+/// @param move from the hull's frame to that of a
+template <class Move>
+static inline Place step_down(const Hull& h, std::int32_t middle, const Four3& at, const Move& move, const Four3& v, double slack) {
+  const HullWalk::Node& node = h.walk.nodes[static_cast<std::size_t>(middle)];
+  const Four3 ring = move(Four3{four_at(node.x), four_at(node.y), four_at(node.z)});
+  const Four3 rest = move(Four3{four_at(node.x + 4), four_at(node.y + 4), four_at(node.z + 4)});
+  const Four lowest = lowest_with_lane(dot(v, ring), dot(v, rest));
+  const FourInts lower = lowest < dot(v, at) - all(slack);
+  Place out;
+  out.at = select(lower, {lane_of(ring.x, rest.x, lowest), lane_of(ring.y, rest.y, lowest), lane_of(ring.z, rest.z, lowest)}, at);
+  out.moved = lower[0] != 0;
+  const std::int32_t neighbour = node.vertex[lane_in(lowest)];
+  out.vertex = out.moved ? neighbour : middle;
+  if (node.more_count > 0) [[unlikely]]
+    return step_beyond(h, node, move, v, slack, out);
+  return out;
+}
+
+/// Search of two hulls from what the last query left.
+class HullSearch {
+ public:
+  HullSearch(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache, const GilbertOptions& options)
+      : sa_(a), sb_(b), a_(*a.hull), b_(*b.hull), X_WA_(X_WA), X_WB_(X_WB), cache_(cache), options_(options) {}
+
+  /// False where the general search must do it: nothing is known of the pair yet, or it is too close, or does not converge at once.
+  bool run(GilbertResult& out) {
+    if (!is_cached()) return false;
+    const LanePose X = between(X_WA_, X_WB_);
+    const double size = a_.radius + b_.radius, tolerance = options_.tolerance * (size + sa_.radius + sb_.radius);
+    const double scale = size + std::fabs(X.p.x[0]) + std::fabs(X.p.y[0]) + std::fabs(X.p.z[0]), least = least_apart * scale;
+    const Four3 on_a = corners(a_, a0_), on_b = X(corners(b_, b0_));
+    LaneSimplex simplex;
+    simplex.w = on_a - on_b;
+    simplex.ia = FourInts{a0_[1], a0_[2], a0_[0], a0_[0]};
+    simplex.ib = FourInts{b0_[1], b0_[2], b0_[0], b0_[0]};
+    simplex.alive = all(std::int64_t{cache_.count}) > FourInts{1, 2, 3, 3};
+    Place a{third(on_a), a0_[0], false}, b{third(on_b), b0_[0], false};
+    bool news = true;
+    for (int k = 1; k < most_rings; ++k) {
+      if (news) simplex.add(a.at - b.at, a.vertex, b.vertex);
+      const Four3 v = simplex.v;
+      const double vv = dot(v, v)[0], d = std::sqrt(vv);
+      if (!(d > least)) return false;
+      const double slack = level * scale * d;
+      a = step_down(a_, a.vertex, a.at, InPlace(), v, slack);
+      b = step_down(b_, b.vertex, b.at, X, {-v.x, -v.y, -v.z}, slack);
+      const double vw = dot(v, a.at - b.at)[0];
+      if (!(vw > 0)) return false;
+      news = vv - vw > tolerance * d;
+      if (!news && !a.moved && !b.moved) {
+        out.iterations = k;
+        return finish(out, simplex, d, vw / d, tolerance, a.vertex, b.vertex);
+      }
+    }
+    return false;
+  }
+
+ private:
+  static Four3 third(const Four3& q) {
+    const auto lane = [](const Four& x) { return __builtin_shufflevector(x, x, 2, 2, 2, 2); };
+    return {lane(q.x), lane(q.y), lane(q.z)};
+  }
+
+  /// Whether the cache names vertices of these hulls; entries beyond its count become its first.
+  bool is_cached() {
+    const std::int32_t count = cache_.count;
+    if (count <= 0 || count > 3) return false;
+    const auto na = static_cast<std::uint32_t>(a_.vertices.size()), nb = static_cast<std::uint32_t>(b_.vertices.size());
+    bool in = true;
+    for (std::int32_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k < count ? k : 0);
+      a0_[k] = cache_.a[i];
+      b0_[k] = cache_.b[i];
+      in = in & (static_cast<std::uint32_t>(a0_[k]) < na) & (static_cast<std::uint32_t>(b0_[k]) < nb);
+    }
+    return in;
+  }
+
+  /// The cached corners; the first of them in lane 2.
+  static Four3 corners(const Hull& h, const std::int32_t* i) {
+    const Vec3 &r = h.vertices[static_cast<std::size_t>(i[0])], &p = h.vertices[static_cast<std::size_t>(i[1])],
+               &q = h.vertices[static_cast<std::size_t>(i[2])];
+    return {{p.x, q.x, r.x, r.x}, {p.y, q.y, r.y, r.y}, {p.z, q.z, r.z, r.z}};
+  }
+
+  bool finish(GilbertResult& out, const LaneSimplex& simplex, double d, double lower, double tolerance, std::int32_t ia, std::int32_t ib) {
+    const Four& weight = simplex.weight;
+    const Vec3 v{simplex.v.x[0], simplex.v.y[0], simplex.v.z[0]};
+    Vec3 on_a, w;
+    for (int k = 0; k < 3; ++k) {
+      on_a += a_.vertices[static_cast<std::size_t>(simplex.ia[k])] * weight[k];
+      w += Vec3{simplex.w.x[k], simplex.w.y[k], simplex.w.z[k]} * weight[k];
+    }
+    const Vec3 off = w - v;
+    if (!(ugoki::dot(off, off) <= tolerance * tolerance && d - lower <= tolerance)) return false;
+    const Vec3 n = v * (1 / d);
+    const double radii = sa_.radius + sb_.radius;
+    out.status = lower > options_.farthest + radii ? GilbertStatus::beyond : GilbertStatus::separated;
+    out.distance = d - radii;
+    out.lower = std::fmin(lower, d) - radii;
+    out.n = X_WA_.R * n;
+    out.pa = X_WA_ * (on_a - n * sa_.radius);
+    out.pb = out.pa - out.n * out.distance;
+    cache_.n = n;
+    remember(simplex, ia, ib);
+    return true;
+  }
+
+  /// The middles of the last rings first.
+  void remember(const LaneSimplex& simplex, std::int32_t ia, std::int32_t ib) {
+    std::size_t count = 0, middle = 0;
+    for (int k = 0; k < 3; ++k) {
+      cache_.a[count] = static_cast<std::int32_t>(simplex.ia[k]);
+      cache_.b[count] = static_cast<std::int32_t>(simplex.ib[k]);
+      const bool alive = simplex.alive[k] != 0;
+      middle = alive && simplex.ia[k] == ia && simplex.ib[k] == ib ? count : middle;
+      count += alive ? 1 : 0;
+    }
+    const std::int32_t a = cache_.a[middle], b = cache_.b[middle];
+    cache_.a[middle] = cache_.a[0];
+    cache_.b[middle] = cache_.b[0];
+    cache_.a[0] = a;
+    cache_.b[0] = b;
+    cache_.count = static_cast<std::int32_t>(count);
+  }
+
+  const Support &sa_, &sb_;
+  const Hull &a_, &b_;
+  const Pose &X_WA_, &X_WB_;
+  GilbertCache& cache_;
+  const GilbertOptions& options_;
+  std::int32_t a0_[3], b0_[3];  ///< vertices of the cache
+};
+
+/// Distance of two hulls that can be walked on.
+static inline GilbertResult hull_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
+                                          const GilbertOptions& options) {
+  GilbertResult out;
+  if (HullSearch(a, X_WA, b, X_WB, cache, options).run(out)) return out;
+  if (!all_finite(X_WA) || !all_finite(X_WB)) return {};
+  return Search<HullCore, HullCore>(a, X_WA, b, X_WB, cache, options).run();
+}
+
+}  // namespace
+}  // namespace ugoki::collision
+
+#pragma GCC diagnostic pop

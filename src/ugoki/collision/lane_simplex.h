@@ -1,0 +1,128 @@
+#pragma once
+// The simplex of Gilbert's method in lanes, for hull_search.h: as `reduce` in simplex.h, without branches. Where it loses digits
+// (slivers, points close to the origin) the gap stays open, and the general search takes over.
+
+#include <cstdint>
+
+#include "ugoki/collision/hull_walk.h"
+#include "ugoki/collision/lanes_of_four.h"
+
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+#include <immintrin.h>
+#endif
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"  // of vectors as results: no function here is called from elsewhere
+
+namespace ugoki::collision {
+namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
+
+static inline Four all(double x) { return Four{x, x, x, x}; }
+static inline FourInts all(std::int64_t x) { return FourInts{x, x, x, x}; }
+static inline Four four_at(const double* p) {
+  Four x;
+  __builtin_memcpy(&x, p, sizeof x);
+  return x;
+}
+
+template <class T>
+struct Lanes3 {
+  T x, y, z;
+};
+using Four3 = Lanes3<Four>;
+
+template <class T>
+static inline T dot(const Lanes3<T>& a, const Lanes3<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline Four3 cross(const Four3& a, const Four3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+static inline Four3 operator-(const Four3& a, const Four3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+static inline Four3 select(const FourInts& m, const Four3& a, const Four3& b) { return {m ? a.x : b.x, m ? a.y : b.y, m ? a.z : b.z}; }
+static inline Four3 all(const Vec3& v) { return {all(v.x), all(v.y), all(v.z)}; }
+/// The first three lanes, each in all lanes.
+static inline Four3 spread(const Four& x) {
+  return {__builtin_shufflevector(x, x, 0, 0, 0, 0), __builtin_shufflevector(x, x, 1, 1, 1, 1), __builtin_shufflevector(x, x, 2, 2, 2, 2)};
+}
+/// Lane k takes lane k + 1, or k + 2, of the first three.
+template <class T>
+static inline T next(const T& x) {
+  return __builtin_shufflevector(x, x, 1, 2, 0, 3);
+}
+template <class T>
+static inline T after_next(const T& x) {
+  return __builtin_shufflevector(x, x, 2, 0, 1, 3);
+}
+
+/// The least of eight in all lanes; its lowest three bits are the number of its lane instead of digits.
+static inline Four lowest_with_lane(const Four& x, const Four& y) {
+  const FourInts eight = all(~std::int64_t{7}), lanes = {0, 1, 2, 3}, more_lanes = {4, 5, 6, 7};
+  const Four a = (Four)(((FourInts)x & eight) | lanes), b = (Four)(((FourInts)y & eight) | more_lanes), four = b < a ? b : a;
+  const Four c = __builtin_shufflevector(four, four, 2, 3, 0, 1), two = c < four ? c : four;
+  const Four d = __builtin_shufflevector(two, two, 1, 0, 3, 2), one = d < two ? d : two;
+  return __builtin_shufflevector(one, one, 0, 0, 0, 0);
+}
+/// The lane that lowest_with_lane has named.
+static inline int lane_in(const Four& named) { return static_cast<int>(((FourInts)named)[0] & 7); }
+/// That lane of x and y in all lanes.
+static inline Four lane_of(const Four& x, const Four& y, const Four& named) {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+  return (Four)_mm256_permutex2var_pd((__m256d)x, (__m256i)named, (__m256d)y);
+#else
+  const double both[8] = {x[0], x[1], x[2], x[3], y[0], y[1], y[2], y[3]};
+  return all(both[lane_in(named)]);
+#endif
+}
+
+/// The point of a simplex of up to three corners (lanes 0 ... 2) that is nearest to the origin.
+struct LaneSimplex {
+  Four3 w;                 ///< m: corners
+  FourInts ia, ib, alive;  ///< their vertices; which of them there are
+  Four weight;             ///< of the corners: they make v
+  Four3 v;                 ///< m, all lanes the same
+
+  /// With a new corner p, of which nearer points are known to need it; one of three lanes is free.
+  void add(const Four3& p, std::int32_t pa, std::int32_t pb) {
+    const Four zero = all(0.0), one = all(1.0), none = all(1e300);
+    const Four3 e = w - p, f{next(e.x), next(e.y), next(e.z)}, n = cross(e, f);
+    const Four nn = dot(n, n), height = dot(n, p), ee = dot(e, e), ff = next(ee), ef = dot(e, f), pp = dot(p, p);
+    const Four along = -dot(e, p), along_f = next(along);
+    // Faces (p, k, k + 1): weights times n . n.
+    const Four wq = along * ff - along_f * ef, wr = along_f * ee - along * ef, wp = nn - wq - wr;
+    const FourInts face_ok = alive & next(alive) & (wp >= zero) & (wq >= zero) & (wr >= zero) & (nn > 1e-28 * ee * ff);
+    const Four scale = one / nn, hs = height * scale, face_vv = face_ok ? height * hs : none;
+    // Edges (p, k).
+    Four t = along / ee;
+    t = t > zero ? t : zero;
+    t = alive ? (t < one ? t : one) : zero;
+    const Four edge_vv = pp - t * (along + (along - t * ee));
+    const FourInts is_face = face_vv < edge_vv;
+    const Four least = is_face ? face_vv : edge_vv;
+    const Four3 point{is_face ? n.x * hs : p.x + e.x * t, is_face ? n.y * hs : p.y + e.y * t, is_face ? n.z * hs : p.z + e.z * t};
+    // The least of three, the first of equals; the corners that it needs; p takes the lane after them.
+    const Four l1 = next(least), l2 = after_next(least);
+    const FourInts tie1 = {-1, -1, 0, 0}, tie2 = {-1, 0, 0, 0}, three = {-1, -1, -1, 0};
+    const FourInts best = three & ((least < l1) | (tie1 & (least == l1))) & ((least < l2) | (tie2 & (least == l2)));
+    const FourInts second = after_next(best & is_face), newest = next(best);
+    const Four own = is_face ? wq * scale : t, rest = next(is_face ? wp * scale : one - t);
+    weight = best ? own : zero;
+    weight = second ? after_next(wr * scale) : weight;
+    weight = newest ? rest : weight;
+    alive = (best | second | newest) & (weight > zero);
+    w = select(newest, p, w);
+    ia = newest ? all(std::int64_t{pa}) : ia;
+    ib = newest ? all(std::int64_t{pb}) : ib;
+    v = {of(best, point.x), of(best, point.y), of(best, point.z)};
+  }
+
+ private:
+  /// The one lane that the mask takes, in all lanes.
+  static Four of(const FourInts& mask, const Four& x) {
+    const FourInts one = mask & (FourInts)x, two = one | __builtin_shufflevector(one, one, 1, 0, 3, 2);
+    return (Four)(two | __builtin_shufflevector(two, two, 2, 3, 0, 1));
+  }
+};
+
+}  // namespace
+}  // namespace ugoki::collision
+
+#pragma GCC diagnostic pop
