@@ -206,7 +206,9 @@ TEST(ClosedLinks, MultipliersAreTheForcesInTheLoops) {
     for (std::size_t i = 0; i < c.loops.size(); ++i)
       for (int r = 0; r < c.loops[i].rows(); ++r) {
         const double lambda = links.multipliers()[static_cast<std::size_t>(links.rows().first[i] + r)];
-        if (!closed[i]) EXPECT_EQ(lambda, 0);
+        if (!closed[i]) {
+          EXPECT_EQ(lambda, 0);
+        }
         calc_loop_jacobian_row(*c.m, ws, c.loops[i], links.rows(), static_cast<int>(i), r, J);
         for (std::size_t f = 0; f < J.size(); ++f) tau[f] += J[f] * lambda;
         size = std::max(size, std::fabs(lambda));

@@ -23,8 +23,8 @@ class RandomSource {
 
 /// A body of random density in a random box: always a possible inertia.
 inline Inertia random_inertia(RandomSource& random) {
-  const Shape box =
-      Shape::box({random.uniform(0.05, 0.3), random.uniform(0.05, 0.3), random.uniform(0.05, 0.3)}, {random.rotation(), random.vec(0.3)});
+  const Vec3 edges{random.uniform(0.05, 0.3), random.uniform(0.05, 0.3), random.uniform(0.05, 0.3)};
+  const Shape box = Shape::box(edges, {random.rotation(), random.vec(0.3)});
   return solid_inertia(box, random.uniform(200, 2000));
 }
 

@@ -15,7 +15,8 @@ inline Vec3 thinned(RandomSource& random, const Vec3& v) {
 inline Inertia varied_inertia(RandomSource& random) {
   if (random.below(3) == 0) return random_inertia(random);
   const Vec3 edges{random.uniform(0.05, 0.3), random.uniform(0.05, 0.3), random.uniform(0.05, 0.3)};
-  return solid_inertia(Shape::box(edges, {Mat3::identity(), thinned(random, random.vec(0.3))}), random.uniform(200, 2000));
+  const Shape box = Shape::box(edges, {Mat3::identity(), thinned(random, random.vec(0.3))});
+  return solid_inertia(box, random.uniform(200, 2000));
 }
 
 /// All joint types; coordinate axes and their opposites among the others, joint frames turned and not.
