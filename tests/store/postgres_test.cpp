@@ -80,26 +80,38 @@ TEST_F(PostgresTest, NewerAndEmptyDatabasesAreSaid) {
 }
 
 TEST_F(PostgresTest, AnOlderLibraryIsBroughtUpToDate) {
+  // What the tables were before, made from those of now.
+  const std::string version_2 = "DROP TABLE ugoki.entry_order; DROP FUNCTION ugoki.terms_of; UPDATE ugoki.library SET version = 2";
+  const std::string version_3 =
+      version_2 +
+      "; ALTER TABLE ugoki.entry_text ADD id text NOT NULL DEFAULT '', ADD name_key text NOT NULL DEFAULT '', ADD "
+      "changed text NOT NULL DEFAULT '', ADD duration_ms bigint NOT NULL DEFAULT 0; CREATE INDEX entry_text_terms "
+      "ON ugoki.entry_text USING gin (terms); UPDATE ugoki.library SET version = 3";
   {
     Result<Library> library = Library::open(place_);
     ASSERT_TRUE(library);
     ASSERT_TRUE(library->put(std::vector{make_item(EntryKind::motion, "walk", "1", {}, R"({"duration": 2})"),
                                          make_item(EntryKind::motion, "walk far", "2", {}, R"({"duration": 9})")}));
   }
-  EXPECT_EQ(server_->psql("ALTER TABLE ugoki.entry_text DROP id, DROP name_key, DROP changed, DROP duration_ms; UPDATE ugoki.library SET "
-                          "version = 2"),
-            "");
-  const auto looking = Library::open_read_only(place_);
-  ASSERT_FALSE(looking);
-  EXPECT_EQ(looking.error().problems.front().code, ErrorCode::unsupported) << looking.error().text();
-  const Result<Library> library = Library::open(place_);
-  ASSERT_TRUE(library) << library.error().text();
-  EXPECT_EQ(names_of(library->find({.text = "walk", .order = LibraryOrder::longest})), (std::vector<std::string>{"walk far", "walk"}));
-  EXPECT_TRUE(library->check(false)->problems.empty());
-  EXPECT_TRUE(Library::open_read_only(place_));
-  EXPECT_EQ(server_->psql("UPDATE ugoki.entry_text SET duration_ms = 1"), "");
-  EXPECT_EQ(library->check(false)->problems.problems.size(), 2u);
-  EXPECT_TRUE(library->check(true)->problems.empty());
+  for (const std::string& before : {version_2, version_3}) {
+    EXPECT_EQ(server_->psql(before), "");
+    const auto looking = Library::open_read_only(place_);
+    ASSERT_FALSE(looking);
+    EXPECT_EQ(looking.error().problems.front().code, ErrorCode::unsupported) << looking.error().text();
+    Result<Library> library = Library::open(place_);
+    ASSERT_TRUE(library) << library.error().text();
+    EXPECT_EQ(names_of(library->find({.text = "walk", .order = LibraryOrder::longest})), (std::vector<std::string>{"walk far", "walk"}));
+    EXPECT_TRUE(library->check(false)->problems.empty());
+    EXPECT_TRUE(Library::open_read_only(place_));
+    EXPECT_EQ(server_->psql("UPDATE ugoki.entry_order SET duration_ms = 1"), "");
+    EXPECT_EQ(library->check(false)->problems.problems.size(), 2u);
+    EXPECT_TRUE(library->check(true)->problems.empty());
+    const std::string id = library->find({.text = "far"})->entries.front().id;
+    ASSERT_TRUE(library->rename(id, "walk farther"));
+    EXPECT_EQ(library->find({.text = "farther"})->total, 1u) << "its words are made anew";
+    ASSERT_TRUE(library->rename(id, "walk far"));
+    EXPECT_EQ(library->find({.text = "farther"})->total, 0u);
+  }
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ LibraryItem motion_number(int i, std::mt19937& random) {
   // What came in all at once stands together in the order of time.
   if (i >= motions - 5000) tags.push_back("late");
   if (i >= motions - 20'000) tags.push_back("second half");
+  if (i < motions / 2) tags.push_back("came first");
   const std::string summary = R"({"mechanism": "m-0123456789abcdef", "frames": )" + std::to_string(random() % 5000) +
                               R"(, "joints": 31, "rate": 120, "duration": )" +
                               std::to_string(static_cast<double>(random() % 100'000) / 1000) + R"(, "cyclic": false, "source": "cmu_)" +
@@ -116,6 +117,9 @@ TEST_P(SpeedTest, AHundredThousandMotionsAreBrowsedAndSearched) {
       {"came last", {.text = "late", .kinds = usual}, 5000},
       {"came last, many", {.text = "second", .kinds = usual}, 20'000},
       {"tag came last", {.kinds = usual, .tags = {"second half"}}, 20'000},
+      {"tag came first", {.kinds = usual, .tags = {"came first"}}, 50'000},
+      {"came first", {.text = "came", .kinds = usual}, 50'000},
+      {"first, in a row", {.text = "\"came first\"", .kinds = usual}, 50'000},
       {"word came last", {.text = "jump", .kinds = usual, .tags = {"second half"}}, 1000},
   };
   constexpr std::pair<const char*, LibraryOrder> orders[] = {{"relevance", relevance}, {"name", name},       {"newest", newest},

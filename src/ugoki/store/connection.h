@@ -56,12 +56,15 @@ class Rows {
 /// What the two languages spell differently.
 struct Dialect {
   bool postgres = false;
-  std::string now;               ///< expression: UTC now, "2026-03-01T12:00:00.123Z"
-  std::string instr;             ///< function: where the second text stands in the first, 0 if nowhere
-  std::string match;             ///< SELECT of the entries (as `no`) whose words match the next parameter, which replaces {query}
-  std::string hits;              ///< FROM of the result `hit` of that: no, id and what is sorted by, as columns of `e`
-  bool counts_by_index = false;  ///< counting what matches reads no rows
-  std::string update;            ///< suffix of a SELECT that locks the rows it finds
+  std::string now;    ///< expression: UTC now, "2026-03-01T12:00:00.123Z"
+  std::string instr;  ///< function: where the second text stands in the first, 0 if nowhere
+  std::string match;  ///< SELECT of the entries (as `no`) whose words match the next parameter, which replaces {query}
+  /// Condition of `match` where words must stand in a row, again with {query}: the index of PostgreSQL only tells that they are there.
+  std::string in_a_row;
+  std::string hits;    ///< FROM of the result `hit` of that: no, id and what is sorted by, as columns of `e`
+  int sorts = 1;       ///< so many times `few` entries are sorted faster than others are read in order
+  double walks = 0;    ///< such a part of `few` is read in order before what fits is sorted after all
+  std::string update;  ///< suffix of a SELECT that locks the rows it finds
 };
 
 /// Used by one thread at a time.

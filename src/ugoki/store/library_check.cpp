@@ -149,8 +149,9 @@ Result<LibraryCheck> Library::check(bool repair, const std::function<void(double
   if (Result<void> done = check_blobs(connection, out, progress); !done) return fail(std::move(done.error()));
   const char* unfound =
       connection.dialect().postgres
-          ? "SELECT e.id FROM entry e WHERE e.removed IS NULL AND NOT EXISTS (SELECT 1 FROM entry_text t WHERE t.entry = e.no AND (t.id, "
-            "t.name_key, t.changed, t.duration_ms) = (e.id, e.name_key, e.changed, e.duration_ms)) LIMIT 20"
+          ? "SELECT e.id FROM entry e WHERE e.removed IS NULL AND NOT EXISTS (SELECT 1 FROM entry_order o JOIN entry_text t ON "
+            "t.entry = o.entry WHERE o.entry = e.no AND (o.id, o.name_key, o.changed, o.duration_ms) = "
+            "(e.id, e.name_key, e.changed, e.duration_ms)) LIMIT 20"
           : "SELECT e.id FROM entry e WHERE e.removed IS NULL AND NOT EXISTS (SELECT 1 FROM entry_text t WHERE t.rowid = e.no) LIMIT 20";
   const Result<Rows> rows = connection.query(unfound);
   if (!rows) return fail(rows.error());

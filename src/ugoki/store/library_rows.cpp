@@ -45,24 +45,22 @@ SearchText search_text(const EntryRow& entry) {
   return text;
 }
 
-Result<void> insert_words(Connection& connection, std::int64_t no, const SearchText& text) {
-  Result<Rows> done;
-  if (connection.dialect().postgres)
-    done = connection.query(
-        "INSERT INTO entry_text (entry, id, name_key, changed, duration_ms, terms) SELECT e.no, e.id, e.name_key, e.changed, "
-        "e.duration_ms, "
-        "?2::text::tsvector FROM entry e WHERE e.no = ?1",
-        {no, text.tsvector()});
-  else
-    done = connection.query("INSERT INTO entry_text (rowid, name, other, marks) VALUES (?1, ?2, ?3, ?4)",
-                            {no, text.name_words(), text.other_words(), text.mark_words()});
-  if (!done) return fail(std::move(done.error()));
-  return {};
-}
-
 Result<void> without_rows(Result<Rows> answer) {
   if (!answer) return fail(std::move(answer.error()));
   return {};
+}
+
+Result<void> insert_words(Connection& connection, std::int64_t no, const SearchText& text) {
+  if (!connection.dialect().postgres)
+    return without_rows(connection.query("INSERT INTO entry_text (rowid, name, other, marks) VALUES (?1, ?2, ?3, ?4)",
+                                         {no, text.name_words(), text.other_words(), text.mark_words()}));
+  Result<void> done =
+      without_rows(connection.query("INSERT INTO entry_text (entry, terms) VALUES (?1, ?2::text::tsvector)", {no, text.tsvector()}));
+  if (!done) return done;
+  return without_rows(
+      connection.query("INSERT INTO entry_order (entry, duration_ms, id, name_key, changed) "
+                       "SELECT e.no, e.duration_ms, e.id, e.name_key, e.changed FROM entry e WHERE e.no = ?1",
+                       {no}));
 }
 
 /// Empty texts of columns that may be null.
@@ -209,9 +207,12 @@ Result<void> refresh_words(Connection& connection, std::int64_t no) {
   if (done)
     done = without_rows(
         connection.query("UPDATE tag SET kind = ?2 WHERE entry = ?1 AND kind <> ?2", {no, e.removed.empty() ? Value(e.kind) : Value("")}));
-  if (done)
-    done = without_rows(connection.query(
-        connection.dialect().postgres ? "DELETE FROM entry_text WHERE entry = ?1" : "DELETE FROM entry_text WHERE rowid = ?1", {no}));
+  if (done && connection.dialect().postgres) {
+    done = without_rows(connection.query("DELETE FROM entry_order WHERE entry = ?1", {no}));
+    if (done) done = without_rows(connection.query("DELETE FROM entry_text WHERE entry = ?1", {no}));
+  } else if (done) {
+    done = without_rows(connection.query("DELETE FROM entry_text WHERE rowid = ?1", {no}));
+  }
   if (done && e.removed.empty()) done = insert_words(connection, no, text);
   return done;
 }

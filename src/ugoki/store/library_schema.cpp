@@ -72,23 +72,33 @@ constexpr const char* sqlite_text =
     "CREATE VIRTUAL TABLE entry_text USING fts5 (name, other, marks, tokenize = 'ascii', prefix = '1 2 3');";
 constexpr const char* postgres_text = R"(
 CREATE TABLE entry_text (
-  entry       bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE,
-  id          {text} NOT NULL,         -- what is sorted by stands here as well: the rows of entry are larger
-  name_key    {text} NOT NULL,
-  changed     {text} NOT NULL,
-  duration_ms bigint NOT NULL,
-  terms       tsvector NOT NULL
+  entry bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE,
+  terms tsvector NOT NULL
 );
-CREATE INDEX entry_text_terms ON entry_text USING gin (terms) WITH (fastupdate = off);  -- every search would read the list of what is new
+CREATE TABLE entry_order (              -- what is sorted by: a search reads the row of all that fit, so these are small
+  entry       bigint PRIMARY KEY REFERENCES entry (no) ON DELETE CASCADE,
+  duration_ms bigint NOT NULL,
+  id          {text} NOT NULL,
+  name_key    {text} NOT NULL,
+  changed     {text} NOT NULL
+);
 )";
-constexpr const char* postgres_version = "CREATE TABLE library (version bigint NOT NULL); INSERT INTO library VALUES (3);";
-/// Version 2 had nothing but the words in entry_text.
-constexpr const char* postgres_before_3 =
+/// The index of words leads to the small rows. It may call the function immutable because words are never changed in place: refresh_words()
+/// makes both rows anew, the words first.
+constexpr const char* postgres_index = R"(
+CREATE FUNCTION ugoki.terms_of(no bigint) RETURNS tsvector LANGUAGE sql IMMUTABLE AS
+  'SELECT terms FROM ugoki.entry_text WHERE entry = no';
+CREATE INDEX entry_order_terms ON entry_order USING gin (terms_of(entry)) WITH (fastupdate = off);  -- every search would read the list of what is new
+)";
+constexpr const char* postgres_version = "CREATE TABLE library (version bigint NOT NULL); INSERT INTO library VALUES (4);";
+/// Version 2 had nothing but the words in entry_text, version 3 what is sorted by beside them.
+constexpr const char* postgres_before_4 =
     "CREATE TEMP TABLE old_text ON COMMIT DROP AS SELECT entry, terms FROM entry_text; DROP TABLE entry_text;";
-constexpr const char* postgres_after_2 = R"(
-INSERT INTO entry_text (entry, id, name_key, changed, duration_ms, terms)
-  SELECT e.no, e.id, e.name_key, e.changed, e.duration_ms, o.terms FROM old_text o JOIN entry e ON e.no = o.entry ORDER BY e.no;
-UPDATE library SET version = 3;
+constexpr const char* postgres_after_3 = R"(
+INSERT INTO entry_text (entry, terms) SELECT entry, terms FROM old_text ORDER BY entry;
+INSERT INTO entry_order (entry, duration_ms, id, name_key, changed)
+  SELECT e.no, e.duration_ms, e.id, e.name_key, e.changed FROM entry_text t JOIN entry e ON e.no = t.entry ORDER BY e.no;
+UPDATE library SET version = 4;
 )";
 
 std::string spelled(std::string text, bool postgres) {
@@ -219,7 +229,7 @@ Result<void> prepare_postgres(Connection& connection, bool read_only) {
   if (!known) return fail(std::move(known.error()));
   if (*known > server_version) return newer(connection.place(), *known, server_version);
   if (*known == server_version) return {};
-  if (read_only && *known == 2)
+  if (read_only && *known >= 2)
     return fail(ErrorCode::unsupported, connection.place(), "This library was made by an older Ugoki and may only be read here.",
                 "Open it once for writing, which brings it up to date: `ugoki db check` does.");
   if (read_only)
@@ -232,9 +242,9 @@ Result<void> prepare_postgres(Connection& connection, bool read_only) {
     known = version();
     if (!known) return fail(std::move(known.error()));
     if (*known == server_version) return {};
-    if (*known == 2) return connection.script(postgres_before_3 + spelled(postgres_text, true) + postgres_after_2);
+    if (*known >= 2) return connection.script(postgres_before_4 + spelled(postgres_text, true) + postgres_after_3 + postgres_index);
     if (Result<void> made = connection.script("CREATE SCHEMA IF NOT EXISTS ugoki"); !made) return made;
-    return connection.script(spelled(tables, true) + spelled(postgres_text, true) + postgres_version);
+    return connection.script(spelled(tables, true) + spelled(postgres_text, true) + postgres_index + postgres_version);
   };
   if (Result<void> done = work(); !done) {
     connection.rollback();

@@ -9,7 +9,7 @@ namespace ugoki::store {
 
 inline constexpr std::int64_t library_application_id = 0x55474b4c;  // "UGKL"
 inline constexpr std::int64_t library_version = 2;
-inline constexpr std::int64_t server_version = 3;  ///< of a library on a server
+inline constexpr std::int64_t server_version = 4;  ///< of a library on a server
 
 /// SQLite: refuses what is not a library of a version that this program knows. An empty file is good.
 [[nodiscard]] Result<void> check_library(Database& database);

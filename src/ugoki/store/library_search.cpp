@@ -5,7 +5,8 @@
 // - many fit, or nothing is asked for: the entries are read in the order asked for, from the place where the page begins, and each is
 //   looked at; a page is soon full because many fit. The words of an entry stand in one text, so that "has these words in a row" is
 //   "contains this text", which means exactly what the index of words means. Where those that fit stand far from where the page begins,
-//   that would take long: after some thousand rows it is given up, and what fits is sorted after all.
+//   that would take long: after some rows it is given up, and what fits is sorted after all.
+// How many are few depends on how fast a database sorts what its index found (Dialect).
 
 #include <algorithm>
 #include <array>
@@ -21,11 +22,14 @@ namespace {
 /// Relevance comes in three parts, one after the other: names that begin with the text, names that hold it, the others.
 constexpr int relevance_parts = 3;
 
+/// How many fit: at most `few`, more, or so many that reading in order finds a page at once. Later pages need not count again.
+enum class Crowd : std::uint8_t { few, many, most };
+
 /// A place in the order: entries behind it follow.
 struct Position {
   int part = 0;
   std::string key, id;
-  bool many = false;  ///< more than `few` fit: later pages need not count again
+  Crowd crowd = Crowd::few;
 };
 
 struct Column {
@@ -46,7 +50,7 @@ Column column_of(LibraryOrder order) {
 
 std::string text_of(const Position& position, LibraryOrder order) {
   const std::string text = std::to_string(static_cast<int>(order)) + "," + std::to_string(position.part) + "," +
-                           (position.many ? "1" : "0") + "," + position.id + "," + position.key;
+                           std::to_string(static_cast<int>(position.crowd)) + "," + position.id + "," + position.key;
   return to_base64({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
@@ -71,9 +75,9 @@ Result<Position> position_of(const std::string& text, LibraryOrder order) {
   const bool number = column_of(order).number;
   const bool digits = !fields[4].empty() && fields[4].size() < 18 && fields[4].find_first_not_of("0123456789") == std::string_view::npos;
   if (fields[0] != std::to_string(static_cast<int>(order)) || part < 0 || part >= relevance_parts || (number && !digits) ||
-      clean_text(all) != all)
+      fields[2].size() != 1 || fields[2][0] < '0' || fields[2][0] > '2' || clean_text(all) != all)
     return wrong();
-  return Position{part, std::string(fields[4]), std::string(fields[3]), fields[2] == "1"};
+  return Position{part, std::string(fields[4]), std::string(fields[3]), static_cast<Crowd>(fields[2][0] - '0')};
 }
 
 /// A statement that grows, with the values of its parameters.
@@ -116,24 +120,23 @@ class Search {
     by_index_ = filtered && !query_.removed;
     if (!filtered && !after)
       if (Result<void> counted = count_all(out); !counted) return fail(std::move(counted.error()));
-    Result<std::vector<Hit>> hits;
-    const bool known_many = filtered && (query_.removed || (after && after->many));
-    if (known_many) {
+    Crowd crowd = after ? after->crowd : Crowd::few;
+    if (by_index_ && crowd == Crowd::few) {
+      const Result<std::size_t> total = count_matches(false);
+      if (!total) return fail(total.error());
+      out.total = std::min(*total, body_.few);
+      crowd = *total > sorted_at_most() ? Crowd::most : *total > body_.few ? Crowd::many : Crowd::few;
+    }
+    if (filtered && (query_.removed || crowd != Crowd::few)) {
       out.total = body_.few;
       out.total_exact = false;
-    } else if (by_index_) {
-      Result<Sorted> found = sorted_if_few(after, false);
-      if (!found) return fail(std::move(found.error()));
-      out.total = std::min(found->total, body_.few);
-      out.total_exact = found->total <= body_.few;
-      hits = std::move(found->hits);
     }
-    if (!by_index_ || !out.total_exact) hits = walk(after);
+    Result<std::vector<Hit>> hits = by_index_ && crowd != Crowd::most ? sorted(after, false) : walk(after);
     if (!hits) return fail(std::move(hits.error()));
     if (hits->size() > query_.limit) {
       hits->resize(query_.limit);
       Position last = hits->back().position;
-      last.many = by_index_ && !out.total_exact;
+      last.crowd = crowd;
       out.next = text_of(last, query_.order);
     }
     std::vector<EntryRow> rows;
@@ -152,26 +155,30 @@ class Search {
     Position position;
     EntryRow row;
   };
-  struct Sorted {
-    std::vector<Hit> hits;  ///< a page, and one more if there is
-    std::size_t total = 0;
-  };
   [[nodiscard]] Connection& connection() const { return *body_.connection; }
   [[nodiscard]] const Dialect& dialect() const { return connection().dialect(); }
 
   /// The entries that fit, by the index of words, as `hit`.
   [[nodiscard]] std::string match(Sql& sql, bool in_name) const {
     const std::vector<std::string>& kinds = query_.kinds;
-    std::string out = dialect().match;
-    return out.replace(out.find("{query}"), 7,
-                       sql.parameter(dialect().postgres ? phrases_.tsquery(in_name, tags_, kinds) : phrases_.fts5(in_name, tags_, kinds)));
+    const auto with = [&](std::string text, std::string query) {
+      return text.replace(text.find("{query}"), 7, sql.parameter(std::move(query)));
+    };
+    if (!dialect().postgres) return with(dialect().match, phrases_.fts5(in_name, tags_, kinds));
+    std::string out = with(dialect().match, phrases_.tsquery(in_name, tags_, kinds, false));
+    if (phrases_.any_in_a_row()) out += with(dialect().in_a_row, phrases_.tsquery(in_name, {}, {}, true));
+    return out;
   }
-  /// How many they are, at most one more than `few`.
+  /// More than so many are read in order. What the index does not know for sure is dearer.
+  [[nodiscard]] std::size_t sorted_at_most() const {
+    return body_.few * static_cast<std::size_t>(phrases_.any_in_a_row() ? 1 : dialect().sorts);
+  }
+  /// How many they are, at most one more than are sorted.
   Result<std::size_t> count_matches(bool in_name) const {
     Sql sql;
     const std::string select = match(sql, in_name);
     const Result<Rows> rows = connection().query(
-        "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(body_.few + 1) + ") y", sql.values);
+        "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(sorted_at_most() + 1) + ") y", sql.values);
     if (!rows) return fail(rows.error());
     return static_cast<std::size_t>(rows->integer(0, 0));
   }
@@ -223,10 +230,10 @@ class Search {
 
   /// What the index of words gives, sorted. Only what is compared is sorted; the rows of the page are fetched afterwards.
   /// @param names only part 1: those with the text in their name, which does not begin with it
-  /// @param most so many are looked at; if there are more, the page is wrong. 0: all
-  Result<Sorted> sorted(const std::optional<Position>& after, bool names, std::size_t most) const {
+  /// @return a page, and one more if there is
+  Result<std::vector<Hit>> sorted(const std::optional<Position>& after, bool names) const {
     Sql sql;
-    sql.text = "WITH hit AS MATERIALIZED (" + match(sql, names) + (most > 0 ? " LIMIT " + std::to_string(most + 1) : "") + ") ";
+    sql.text = "WITH hit AS " + std::string(dialect().postgres ? "NOT " : "") + "MATERIALIZED (" + match(sql, names) + ") ";
     std::string part = names ? "1" : "0";
     if (by_relevance_ && !names) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
     const Column column = column_of(query_.order);
@@ -241,25 +248,13 @@ class Search {
     }
     const std::string way = column.descending ? " DESC" : "", order = " ORDER BY s.part, s.key" + way + ", s.id" + way;
     sql.text += ", page AS MATERIALIZED (SELECT * FROM (" + narrow + ") s" + place + order + " LIMIT " + std::to_string(query_.limit + 1) +
-                ") SELECT " + entry_columns +
-                ", s.key, s.part, t.total FROM (SELECT count(*) AS total FROM hit) t LEFT JOIN page s ON 1 = 1 " +
-                "LEFT JOIN entry e ON e.no = s.no" + order;
+                ") SELECT " + entry_columns + ", s.key, s.part FROM page s LEFT JOIN entry e ON e.no = s.no" + order;
     const Result<Rows> rows = connection().query(sql.text, sql.values);
     if (!rows) return fail(rows.error());
-    Sorted out;
-    out.total = static_cast<std::size_t>(rows->integer(0, entry_column_count + 2));
-    for (std::size_t r = 0; r < rows->size() && !rows->is_null(r, 0); ++r)
-      out.hits.push_back(hit_of(*rows, r, static_cast<int>(rows->integer(r, entry_column_count + 1))));
+    std::vector<Hit> out;
+    for (std::size_t r = 0; r < rows->size(); ++r)
+      out.push_back(hit_of(*rows, r, static_cast<int>(rows->integer(r, entry_column_count + 1))));
     return out;
-  }
-
-  /// The same if no more than `few` fit; otherwise only that they are more. One question where counting costs as much as finding.
-  Result<Sorted> sorted_if_few(const std::optional<Position>& after, bool names) const {
-    if (!dialect().counts_by_index) return sorted(after, names, body_.few);
-    const Result<std::size_t> total = count_matches(names);
-    if (!total) return fail(total.error());
-    if (*total <= body_.few) return sorted(after, names, 0);
-    return Sorted{{}, *total};
   }
 
   /// Many fit: part by part and kind by kind, each in the order of its index; the kinds are merged.
@@ -267,25 +262,20 @@ class Search {
     std::vector<Hit> all;
     for (int part = after ? after->part : 0; part < (by_relevance_ ? relevance_parts : 1) && all.size() <= query_.limit; ++part) {
       const std::optional<Position> from = after && part == after->part ? after : std::nullopt;
-      std::vector<Hit> hits;
-      bool found = false;
-      if (part == 1) {  // many fit, but perhaps few by their name alone
-        Result<Sorted> names = sorted_if_few(from, true);
-        if (!names) return fail(std::move(names.error()));
-        found = names->total <= body_.few;
-        if (found) hits = std::move(names->hits);
-      }
-      if (!found) {
-        const Result<bool> done = walk_kinds(part, from, query_.limit + 1 - all.size(), hits);
+      Result<std::size_t> by_name = sorted_at_most() + 1;
+      if (part == 1) by_name = count_matches(true);  // many fit, but perhaps few by their name alone
+      if (!by_name) return fail(std::move(by_name.error()));
+      Result<std::vector<Hit>> hits;
+      if (*by_name <= sorted_at_most()) {
+        hits = sorted(from, true);
+        if (!hits) return hits;
+      } else {
+        const Result<bool> done = walk_kinds(part, from, query_.limit + 1 - all.size(), *hits);
         if (!done) return fail(done.error());
-        if (!*done) {
-          Result<Sorted> every = sorted(after, false, 0);
-          if (!every) return fail(std::move(every.error()));
-          return std::move(every->hits);
-        }
+        if (!*done) return sorted(after, false);
       }
-      const std::size_t room = std::min(hits.size(), query_.limit + 1 - all.size());
-      std::move(hits.begin(), hits.begin() + static_cast<std::ptrdiff_t>(room), std::back_inserter(all));
+      const std::size_t room = std::min(hits->size(), query_.limit + 1 - all.size());
+      std::move(hits->begin(), hits->begin() + static_cast<std::ptrdiff_t>(room), std::back_inserter(all));
     }
     return all;
   }
@@ -317,7 +307,7 @@ class Search {
     if (after) rows_of += " AND " + behind(sql, *after);
     std::optional<Position> end;  // that far it is looked; the index alone tells where that is
     if (by_index_) {
-      const std::size_t most = body_.few / 2 + 2 * (limit + 1);
+      const auto most = static_cast<std::size_t>(static_cast<double>(body_.few) * dialect().walks) + 2 * (limit + 1);
       const Result<Rows> row =
           connection().query("SELECT " + key + ", e.id" + rows_of + order + " LIMIT 1 OFFSET " + std::to_string(most), sql.values);
       if (!row) return fail(row.error());

@@ -12,8 +12,10 @@ const Dialect sqlite_dialect = {
     .now = "strftime('%Y-%m-%dT%H:%M:%fZ', 'now')",
     .instr = "instr",
     .match = "SELECT rowid AS no FROM entry_text WHERE entry_text MATCH {query}",
+    .in_a_row = "",
     .hits = "hit h CROSS JOIN entry e ON e.no = h.no",
-    .counts_by_index = true,
+    .sorts = 1,
+    .walks = 1.0 / 2,
     .update = "",
 };
 

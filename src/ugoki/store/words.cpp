@@ -175,12 +175,16 @@ std::string SearchPhrases::fts5(bool in_name, const std::vector<std::string>& ta
   return all;
 }
 
-std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds) const {
+std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds,
+                                   bool in_a_row) const {
   std::string all;
   for (const std::vector<std::string>& phrase : phrases) {
     all += all.empty() ? "(" : " & (";
     for (std::size_t i = 0; i < phrase.size(); ++i)
-      all += (i ? " <-> " : "") + quoted(in_name ? name_mark(phrase[i]) : phrase[i]) + (i + 1 == phrase.size() ? ":*" : "");
+      all += (i == 0     ? ""
+              : in_a_row ? " <-> "
+                         : " & ") +
+             quoted(in_name ? name_mark(phrase[i]) : phrase[i]) + (i + 1 == phrase.size() ? ":*" : "");
     all += ")";
   }
   for (const std::string& tag : tags) all += (all.empty() ? "" : " & ") + quoted(tag_mark(tag));
@@ -188,6 +192,10 @@ std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>&
   for (const std::string& kind : kinds) any += (any.empty() ? "(" : " | ") + quoted(kind_mark(kind));
   if (!any.empty()) all += (all.empty() ? "" : " & ") + any + ")";
   return all;
+}
+
+bool SearchPhrases::any_in_a_row() const {
+  return std::ranges::any_of(phrases, [](const std::vector<std::string>& phrase) { return phrase.size() > 1; });
 }
 
 SearchPhrases search_phrases(std::string_view text) {

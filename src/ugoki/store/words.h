@@ -53,7 +53,10 @@ struct SearchPhrases {
   [[nodiscard]] std::string in_words(std::size_t phrase) const;
   /// As a query of the index: all of the phrases, of the name only if `in_name`, all of `tags`, one of `kinds` (none: any).
   [[nodiscard]] std::string fts5(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds) const;
-  [[nodiscard]] std::string tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds) const;
+  /// @param in_a_row the words of a phrase stand in a row; otherwise they are only all there
+  [[nodiscard]] std::string tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds,
+                                    bool in_a_row) const;
+  [[nodiscard]] bool any_in_a_row() const;  ///< a phrase of several words
 };
 /// Words of `text` are separated by blanks; "..." holds several together.
 [[nodiscard]] SearchPhrases search_phrases(std::string_view text);
