@@ -98,7 +98,6 @@ Outcome fall(const MechanismPtr& m, double seconds, int every) {
     out.gap = std::max(out.gap, gap_of(system, *m, ws, q, v));
     if (i % every != 0) continue;
     update_closed(*m, q, v, cw);
-    if (cw.is_nearly_singular()) continue;
     // With the same rows: where the frames of a file do not quite agree, redundant rows are not quite redundant.
     const std::vector<char> chosen = independent_rows(cw);
     if (chosen != rows_of_both) {
