@@ -264,7 +264,7 @@ void falls_and_rests(int count, unsigned seed, double height, double dt, double 
     if (late.empty()) late = w.states;
     lowest_at_rest = std::min(lowest_at_rest, w.lowest());
   }
-  EXPECT_GT(lowest, -2e-3) << "seed " << seed << " height " << height << " dt " << dt;
+  EXPECT_GT(lowest, -1.5e-3) << "seed " << seed << " height " << height << " dt " << dt;
   EXPECT_GT(lowest_at_rest, -1e-3) << "seed " << seed;
   if (count < 100) return;
   int at_rest = 0;  // round bodies may still roll away over the ground
@@ -280,6 +280,57 @@ TEST(Slow_Scale, AHeapOfTwoHundredIsNeverDeepInItself) {
   falls_and_rests(200, 1, 0.1, 0.002, 6);
   falls_and_rests(200, 2, 3, 0.002, 6);
   falls_and_rests(200, 3, 1, 0.001, 5);
+}
+
+/// Among them falls in which six passes left bodies 14 mm deep, and overlaps grew by a little in every step.
+TEST(Slow_Scale, HeapsOfTwoHundredAreNotDeepWhileTheyFall) {
+  for (unsigned seed = 11; seed < 15; ++seed)
+    for (const double height : {0.1, 1.0, 3.0}) {
+      World w = mixed_heap(200, seed, height);
+      GuardedStep guard(w.scene, w.stepper);
+      double lowest = 0;
+      for (int i = 0; i < 850; ++i) {
+        w.find();
+        ASSERT_EQ(guard.step(w.systems, w.contacts, 0.002).status, StepStatus::ok);
+        lowest = std::min(lowest, w.lowest());
+      }
+      EXPECT_GT(lowest, -1.3e-3) << "seed " << seed << " height " << height;
+    }
+}
+
+TEST(Scale, AStepTakenAgainIsTheStepWithAllContacts) {
+  World w = heap(12, 3);
+  int compared = 0;
+  for (int i = 0; i < 400; ++i) {
+    w.find();
+    const std::size_t known = w.contacts.size() / 2;
+    const std::vector<State> before = w.states;
+    const std::vector<Stepper::Warm> warm(w.stepper.warm().begin(), w.stepper.warm().end());
+    const auto restore = [&] {
+      for (std::size_t s = 0; s < before.size(); ++s) {
+        std::ranges::copy(before[s].q, w.states[s].q.begin());
+        std::ranges::copy(before[s].v, w.states[s].v.begin());
+      }
+      w.stepper.set_warm(warm);
+    };
+    ASSERT_EQ(w.stepper.step(w.systems, std::span(w.contacts).first(known), 0.002).status, StepStatus::ok);
+    restore();
+    const StepReport again = w.stepper.again(w.systems, w.contacts, 0.002);
+    ASSERT_EQ(again.status, StepStatus::ok);
+    EXPECT_EQ(w.stepper.contact_forces().size(), w.contacts.size());
+    const std::vector<State> after = w.states;
+    restore();
+    const StepReport all = w.stepper.step(w.systems, w.contacts, 0.002, known);
+    ASSERT_EQ(all.status, StepStatus::ok);
+    EXPECT_EQ(again.contacts, all.contacts);
+    if (again.residual > 1e-7 || all.residual > 1e-7) continue;
+    ++compared;
+    double difference = 0;
+    for (std::size_t s = 0; s < after.size(); ++s)
+      for (std::size_t k = 0; k < 6; ++k) difference = std::max(difference, std::fabs(after[s].v[k] - w.states[s].v[k]));
+    ASSERT_LT(difference, 1e-3) << "step " << i;
+  }
+  EXPECT_GT(compared, 300);
 }
 
 TEST(Slow_Scale, AHeapOfTwoHundredComesToRest) {

@@ -13,6 +13,14 @@ constexpr std::uint64_t ground_index = (1U << 20) - 1;
 
 std::uint64_t make_key(std::uint64_t a, std::uint64_t b, std::uint32_t feature) { return (a << 44) | (b << 24) | feature; }
 
+/// What is remembered of another scene is forgotten.
+void fit_memory(const Scene& scene, Workspace& work) {
+  if (work.content == scene.content()) return;
+  work.content = scene.content();
+  work.pairs.clear();
+  work.lowest.assign(scene.shapes().size(), 0);
+}
+
 /// Row z of a rotation: world heights of directions given in the link's frame.
 Vec3 heights(const Mat3& R) { return {R.zx, R.zy, R.zz}; }
 
@@ -203,6 +211,20 @@ struct Search {
 
 }  // namespace
 
+void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB, std::span<const ContactPoint> contacts, Workspace& work) {
+  fit_memory(scene, work);
+  std::uint64_t last = 0;
+  for (const ContactPoint& c : contacts) {
+    const std::uint64_t a = c.key >> 44, b = (c.key >> 24) & ground_index, key = make_key(a, b, 1);
+    if (b == ground_index || key == last) continue;
+    last = key;
+    const SceneShape &sa = scene.shapes()[a], &sb = scene.shapes()[b];
+    if ((is_simple(sa.shape.type) && is_simple(sb.shape.type)) || !sa.convex || !sb.convex) continue;
+    const Pose& X = X_WB[static_cast<std::size_t>(sa.system)][static_cast<std::size_t>(sa.link)];
+    work.pairs.at(key).n = transpose_times(sa.shape.X_BS.R, transpose_times(X.R, c.n));
+  }
+}
+
 void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_WB, double margin, Workspace& work,
                    std::vector<ContactPoint>& out, std::span<const char> moved) {
   UGOKI_CHECK(X_WB.size() == scene.systems().size());
@@ -210,11 +232,7 @@ void find_contacts(const Scene& scene, std::span<const std::span<const Pose>> X_
     work.balls.resize(scene.shapes().size());
     work.poses.resize(scene.shapes().size());
   }
-  if (work.content != scene.content()) {
-    work.content = scene.content();
-    work.pairs.clear();
-    work.lowest.assign(scene.shapes().size(), 0);
-  }
+  fit_memory(scene, work);
   if (work.extents.size() < X_WB.size()) work.extents.resize(X_WB.size());
   out.clear();
   // Every corner on the ground, and four points between shapes for each shape.

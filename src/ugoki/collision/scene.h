@@ -96,6 +96,11 @@ struct Workspace {
   void forget();
 };
 
+/// Where the next search of pairs of convex shapes begins: the normals of their contacts at these poses, the first of each pair. Spares
+/// find_contacts with a negative margin the depth of what has hardly moved.
+void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB, std::span<const ContactPoint> contacts,
+                Workspace& workspace);
+
 /// All contact points with a distance below `margin`, in an order that depends only on the scene: ground contacts by
 /// shape, pairs inside each system, pairs between systems.
 ///   points of a pair: sphere or ellipsoid with anything convex 1; capsule with ground, capsule or box up to 2; box with ground

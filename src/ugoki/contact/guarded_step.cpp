@@ -32,6 +32,9 @@ double turn_between(const Mat3& R, const Mat3& T) {
   return std::sqrt(square);
 }
 
+constexpr double resting_gap = 2e-5;  // m
+constexpr double too_deep = 1e-3;     // m that is left after all passes: then the step is taken in parts
+
 constexpr std::uint64_t feature_mask = (1U << 24) - 1, first_feature = 0xf00000,
                         shape_mask = (1U << 20) - 1;  // of keys; find_contacts makes smaller ones for few
 
@@ -66,10 +69,15 @@ GuardedStep::GuardedStep(const collision::Scene& scene, Stepper& stepper, const 
   forces_.reserve(12 * scene.shapes().size() + 64);
 }
 
-/// Poses at the end, and which systems are no longer where they were.
+/// Poses at the end, and which systems are no longer where they were, or where they were the last time.
 void GuardedStep::move(std::span<const StepSystem> systems) {
   const double* size = size_.data();
   for (std::size_t s = 0; s < systems.size(); ++s) {
+    if (again_ && !stepper_->has_changed(static_cast<int>(s))) {
+      moved_[s] = 0;
+      size += end_[s].size();
+      continue;
+    }
     const std::span<const Pose> begin = stepper_->workspace(static_cast<int>(s)).X_WB;
     calc_poses(stepper_->mechanism(static_cast<int>(s)), systems[s].q, end_[s]);
     double way = 0;
@@ -91,7 +99,7 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
     double before = 0;
     for (const collision::ContactPoint& g : given)
       if (((g.key ^ c.key) & ~feature_mask) == 0) before = std::min(before, g.distance);
-    if (c.distance > before - 0.25 * options_.depth) continue;
+    if (c.distance > before - (before < -options_.depth ? 0.02 : 0.25) * options_.depth) continue;
     depth_ = std::max(depth_, -c.distance);
     if (passes_ == options_.passes) continue;
     const double gap = c.distance;
@@ -121,6 +129,14 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
   return added;
 }
 
+/// Shapes whose depth, not their distance, is expensive.
+bool GuardedStep::needs_gap(const collision::ContactPoint& c) const {
+  if (c.system_b < 0) return false;
+  const collision::SceneShape &a = scene_->shapes()[static_cast<std::size_t>(c.key >> 44) & shape_mask],
+                              &b = scene_->shapes()[static_cast<std::size_t>(c.key >> 24) & shape_mask];
+  return a.convex && b.convex && !(collision::has_closed_form(a.shape.type) && collision::has_closed_form(b.shape.type));
+}
+
 void GuardedStep::States::save(std::span<const StepSystem> systems) {
   for (std::size_t s = 0; s < systems.size(); ++s) {
     std::ranges::copy(systems[s].q, q[s].begin());
@@ -139,10 +155,22 @@ void GuardedStep::States::restore(std::span<const StepSystem> systems) const {
 StepReport GuardedStep::take(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
   begin_.save(systems);
   contacts_.assign(contacts.begin(), contacts.end());
+  for (collision::ContactPoint& c : contacts_)
+    if (needs_gap(c)) c.distance -= resting_gap;
   StepReport report;
+  std::size_t known = contacts_.size();
   for (passes_ = 1;; ++passes_) {
-    report = stepper_->step(systems, contacts_, dt, contacts.size());
+    // What is found to be hit with restitution is an impact, for which everything begins anew.
+    const auto added = std::span(contacts_).subspan(known);
+    again_ = passes_ > 1 && std::ranges::none_of(added, [](const collision::ContactPoint& c) { return c.restitution > 0; });
+    report = again_ ? stepper_->again(systems, contacts_, dt) : stepper_->step(systems, contacts_, dt, contacts.size());
+    known = contacts_.size();
     if (report.status != StepStatus::ok) break;
+    if (passes_ == 1) {
+      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = stepper_->workspace(static_cast<int>(s)).X_WB;
+      collision::begin_from(*scene_, views_, contacts, workspace_);
+      for (std::size_t s = 0; s < systems.size(); ++s) views_[s] = end_[s];
+    }
     move(systems);
     if (!add_overlaps(contacts, dt)) return report;
     begin_.restore(systems);
@@ -219,14 +247,13 @@ StepReport GuardedStep::take_apart(std::span<StepSystem> systems, std::span<cons
       whole_.restore(systems);
       return report;
     }
-    if (const double safe = find_passage(systems, h); safe < h) {
-      if (length > 1 && takes < most_takes) {
-        begin_.restore(systems);
-        length /= 2;
-        continue;
-      }
-      stop_at(systems, safe);
+    const double safe = find_passage(systems, h);
+    if ((safe < h || depth_ > too_deep) && length > 1 && takes < most_takes) {
+      begin_.restore(systems);
+      length /= 2;
+      continue;
     }
+    if (safe < h) stop_at(systems, safe);
     add_forces(static_cast<double>(length) / units);
     ++parts_;
     done += length;
@@ -242,12 +269,13 @@ StepReport GuardedStep::take_apart(std::span<StepSystem> systems, std::span<cons
 StepReport GuardedStep::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
   StepReport report = take(systems, contacts, dt);
   parts_ = 1;
-  if (report.status == StepStatus::ok && find_passage(systems, dt) < dt) {
+  if (report.status == StepStatus::ok && (depth_ > too_deep || find_passage(systems, dt) < dt)) {
     begin_.restore(systems);
     std::swap(begin_, whole_);
     return take_apart(systems, contacts, dt);
   }
   all_contacts_.assign(contacts_.begin(), contacts_.end());
+  std::ranges::copy(contacts, all_contacts_.begin());  // with the distances that they have
   forces_.assign(stepper_->contact_forces().begin(), stepper_->contact_forces().end());
   return report;
 }

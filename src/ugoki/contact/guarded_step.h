@@ -25,7 +25,7 @@ namespace ugoki::contact {
 
 struct GuardOptions {
   double depth = 4e-4;   ///< m: less at the end of a step is left alone
-  int passes = 6;        ///< greatest number of times that a step is taken
+  int passes = 12;       ///< greatest number of times that a step is taken
   double margin = 0.02;  ///< m: contacts of the parts of a step are looked for so far
 };
 
@@ -63,6 +63,7 @@ class GuardedStep {
   void find_contacts(std::span<const StepSystem> systems, double dt);
   void stop_at(std::span<const StepSystem> systems, double time);
   void add_forces(double part);
+  [[nodiscard]] bool needs_gap(const collision::ContactPoint& c) const;
   void move(std::span<const StepSystem> systems);
   bool add_overlaps(std::span<const collision::ContactPoint> given, double dt);
 
@@ -84,6 +85,7 @@ class GuardedStep {
   std::vector<collision::ContactPoint> all_contacts_;
   std::vector<Vec3> forces_;
   int passes_ = 0, parts_ = 1;
+  bool again_ = false;  // the last pass solved anew only what its contacts touch
   double depth_ = 0;
 };
 

@@ -57,7 +57,8 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     const auto n = static_cast<std::size_t>(m.nv());
     first.push_back(first.back() + m.nv());
     SystemScratch& x = scratch_[s];
-    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.root_D_inverse, &x.impulse, &x.displacement}) array->resize(n);
+    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.root_D_inverse, &x.impulse, &x.displacement})
+      array->resize(n);
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
       bool limited = false;
@@ -168,11 +169,16 @@ void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collis
     dynamics::update_kinematics(*mechanisms_[s], systems[s].q, scratch_[s].v, workspaces_[s]);
 }
 
+/// @param careful where a step is taken again
+SolverOptions Stepper::solver_options(double dt, bool careful) const {
+  const double coarse = (careful ? 0.1 : 1.0) * coarse_distance / dt;
+  return {(careful ? 4 : 1) * options_.iterations, options_.tolerance, coarse, options_.softness};
+}
+
 StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, std::size_t certain) {
   UGOKI_CHECK(systems.size() == mechanisms_.size() && dt > 0);
   StepReport report;
   solver_.clear();
-  forces_.assign(contacts.size(), Vec3{});
   frames_.resize(3 * contacts.size());
   for (std::size_t s = 0; s < systems.size(); ++s) {
     std::ranges::copy(systems[s].v, scratch_[s].v.begin());
@@ -180,27 +186,41 @@ StepReport Stepper::step(std::span<StepSystem> systems, std::span<const collisio
   }
   find_impacts(systems, contacts, dt, report);
   for (std::size_t s = 0; s < systems.size() && report.status == StepStatus::ok; ++s) prepare(s, systems[s], dt, report);
-  if (report.status != StepStatus::ok) return report;
-
+  if (report.status != StepStatus::ok) {
+    forces_.assign(contacts.size(), Vec3{});
+    return report;
+  }
+  for (std::size_t s = 0; s < systems.size(); ++s) scratch_[s].unforced = scratch_[s].free_v;
   for (std::size_t i = 0; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, i >= certain);
-  for (const RowBlock& b : solver_.blocks()) report.contacts += b.kind == RowKind::contact ? 1 : 0;
   const std::size_t before = solver_.blocks().size();
   for (std::size_t s = 0; s < systems.size(); ++s) add_joint_rows(s, dt);
   report.limits = static_cast<int>(solver_.blocks().size() - before);
-  if (!solver_.blocks().empty()) {
-    const bool careful = certain < contacts.size();
-    const double coarse = (careful ? 0.1 : 1.0) * coarse_distance / dt;
-    const int iterations = (careful ? 4 : 1) * options_.iterations;
-    const SolverReport solved = solver_.solve({iterations, options_.tolerance, coarse, options_.softness});
-    report.sweeps = solved.sweeps;
-    report.newton_steps = solved.newton_steps;
-    report.islands = solved.islands;
-    report.residual = solved.residual;
-    for (std::size_t s = 0; s < systems.size(); ++s) {
-      std::ranges::copy(solver_.w(static_cast<int>(s)), scratch_[s].impulse.begin());
-      add_impulses(s);
-    }
+  begun_ = report;
+  return finish(systems, contacts, dt, solver_.solve(solver_options(dt, certain < contacts.size())), report);
+}
+
+StepReport Stepper::again(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt) {
+  const std::size_t given = struck_.size(), first = solver_.blocks().size();
+  struck_.resize(contacts.size(), 0.0);
+  frames_.resize(3 * contacts.size());
+  for (SystemScratch& x : scratch_) x.free_v = x.unforced;
+  for (std::size_t i = given; i < contacts.size(); ++i) add_contact(static_cast<int>(i), contacts[i], dt, true);
+  return finish(systems, contacts, dt, solver_.solve_again(solver_options(dt, true), first), begun_);
+}
+
+/// From impulses to velocities and positions.
+StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
+                           const SolverReport& solved, StepReport report) {
+  for (const RowBlock& b : solver_.blocks()) report.contacts += b.kind == RowKind::contact ? 1 : 0;
+  report.sweeps = solved.sweeps;
+  report.newton_steps = solved.newton_steps;
+  report.islands = solved.islands;
+  report.residual = solved.residual;
+  for (std::size_t s = 0; s < systems.size() && !solver_.blocks().empty(); ++s) {
+    std::ranges::copy(solver_.w(static_cast<int>(s)), scratch_[s].impulse.begin());
+    add_impulses(s);
   }
+  forces_.assign(contacts.size(), Vec3{});
   for (std::size_t s = 0; s < systems.size(); ++s) {
     const std::vector<double>& v = scratch_[s].free_v;
     for (std::size_t i = 0; i < v.size(); ++i) {

@@ -94,6 +94,7 @@ void VelocitySolver::set_systems(std::span<const int> first) {
   base_.assign(w_.size(), 0.0);
   scratch_w_.assign(w_.size(), 0.0);
   in_part_.assign(systems, 0);
+  solved_.assign(systems, 0);
   for (std::vector<int>* v : {&root_, &island_, &members_, &cursor_, &local_, &queue_}) v->resize(systems + 1);
   neighbour_first_.resize(systems + 2);
   // Room for what usually comes: a dozen contacts for each system.
@@ -371,22 +372,34 @@ void VelocitySolver::solve_island(const Island& island, const SolverOptions& opt
   report.residual = std::max(report.residual, change);
 }
 
-SolverReport VelocitySolver::solve(const SolverOptions& options) {
-  SolverReport report;
+void VelocitySolver::begin_blocks(const SolverOptions& options, std::size_t first) {
   constexpr double most_operations = 1e6;  // of Newton's method in one step
   budget_ = most_operations;
   softness_ = options.softness / (1 + options.softness);
   std::ranges::fill(moved_, 0.0);
-  for (RowBlock& b : blocks_) {
+  std::ranges::fill(solved_, char{0});
+  for (RowBlock& b : blocks_) b.seen = -HUGE_VAL;
+  for (RowBlock& b : std::span(blocks_).subspan(first)) {
     if (b.kind == RowKind::contact) b.B[0] *= 1 + options.softness;
     b.size = std::sqrt(b.rows == 3 ? std::max({b.B[0], b.B[1], b.B[2]}) : b.B[0]);
-    b.seen = -HUGE_VAL;
     if (b.rows == 3) invert(b.B, b.inverse);
     apply(b, p_.data() + b.row);
   }
   find_islands();
+}
+
+SolverReport VelocitySolver::solve(const SolverOptions& options) { return solve_again(options, 0); }
+
+SolverReport VelocitySolver::solve_again(const SolverOptions& options, std::size_t first_new) {
+  SolverReport report;
+  begin_blocks(options, first_new);
   for (const Island& island : islands_) {
-    if (island.blocks == 0) continue;
+    // Blocks of an island are in their order: the last one tells.
+    if (island.blocks == 0 ||
+        static_cast<std::size_t>(order_[static_cast<std::size_t>(island.first_block + island.blocks - 1)]) < first_new)
+      continue;
+    for (int k = 0; k < island.systems; ++k)
+      solved_[static_cast<std::size_t>(members_[static_cast<std::size_t>(island.first_system + k)])] = 1;
     ++report.islands;
     solve_island(island, options, report);
   }

@@ -86,6 +86,11 @@ class VelocitySolver {
   void drop_block();
 
   SolverReport solve(const SolverOptions& options);
+  /// After solve(), when blocks were added: only islands that have one of them, from the impulses that are there.
+  /// @param first_new block
+  SolverReport solve_again(const SolverOptions& options, std::size_t first_new);
+  /// Whether the last solve may have changed w of a system.
+  [[nodiscard]] bool is_solved(int system) const { return solved_[static_cast<std::size_t>(system)] != 0; }
 
   [[nodiscard]] std::span<const RowBlock> blocks() const { return blocks_; }
   [[nodiscard]] std::span<const double> impulses() const { return p_; }
@@ -111,6 +116,7 @@ class VelocitySolver {
     return moved_[static_cast<std::size_t>(segments_[static_cast<std::size_t>(b.first_segment + segment)].system)];
   }
   double sweep(const Island& island, bool forward, double least);
+  void begin_blocks(const SolverOptions& options, std::size_t first);
   void find_islands();
   void solve_island(const Island& island, const SolverOptions& options, SolverReport& report);
 
@@ -144,6 +150,7 @@ class VelocitySolver {
   std::vector<int> members_;  // systems by island
   std::vector<int> cursor_;
   std::vector<Island> islands_;
+  std::vector<char> solved_;  // [systems]
 
   // Newton
   double part_ = 0;                 // R as part of a block's inverse inertia
