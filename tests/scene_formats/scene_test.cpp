@@ -131,5 +131,93 @@ TEST(Scene, Refusals) {
   EXPECT_NE(refused("hello", "x.blend").find("neither"), std::string::npos);
 }
 
+/// The text with `old` replaced by `now`, once.
+std::string with(std::string text, const std::string& old, const std::string& now) {
+  const std::size_t at = text.find(old);
+  EXPECT_NE(at, std::string::npos) << old;
+  return at == std::string::npos ? text : text.replace(at, old.size(), now);
+}
+
+TEST(Scene, ColladaThatRefersToWhatIsNotThereIsRefused) {
+  const std::string good = collada_text("Y_UP", 1);
+  struct Case {
+    const char *old, *now, *place, *words;
+  };
+  const Case cases[] = {
+      {"count=\"2\">0 1<", "count=\"0\">0 1<", "<accessor>", "do not lie within the 0"},
+      {"count=\"2\">0 1<", "count=\"3\">0 1<", "line 5, <float_array>", "tells of 3 values, but there are 2"},
+      {"#times-a\" count=\"2\"", "#times-a\" count=\"2\" stride=\"9\"", "<accessor>", "do not lie within"},
+      {"#times-a\" count=\"2\"", "#times-a\" count=\"2\" offset=\"99999999999\"", "<accessor>", "which cannot be"},
+      {"#times-a\" count=\"2\"", "#times-a\" count=\"1\"", "<channel>", "1 times, but 2 values"},
+      {"OUTPUT\" source=\"#angles\"", "OUTPUT\" source=\"#nothing\"", "<input>", "which is not there"},
+      {"OUTPUT\" source=\"#angles\"", "OUTPUT\" source=\"#how\"", "<channel>", "names, not numbers"},
+      {">0 90<", ">0 ninety<", "<channel>", "no number"},
+      {">0 90<", ">0 9e8<", "<channel>", "too many turns"},
+      {">0 1<", ">1 0<", "<channel>", "do not go up"},
+      {"ANGLE\" type=\"float\"", "ANGLE\" type=\"float4x4\"", "<accessor>", "do not lie within"},
+      {">0 4 0<", ">0 4<", "line 13, <translate>", "2 of 3 numbers"},
+      {"<instance_visual_scene url=\"#scene\"", "<instance_visual_scene url=\"#no\"", "<instance_visual_scene>", "which is not there"},
+      {">0 0 5</translate>", ">0 0 5</translate><instance_node url=\"#hip\"/>", "<", "stands below itself"},
+      {"</COLLADA>", "", "line", "cannot be read"},
+  };
+  for (const Case& c : cases) {
+    const auto r = read_scene(bytes_of(with(good, c.old, c.now)), "x.dae");
+    ASSERT_FALSE(r.has_value()) << c.old << " -> " << c.now;
+    const std::string text = r.error().text();
+    EXPECT_NE(text.find(c.place), std::string::npos) << text;
+    EXPECT_NE(text.find(c.words), std::string::npos) << text;
+    EXPECT_NE(text.find("Export it again"), std::string::npos) << text;
+  }
+}
+
+TEST(Scene, ColladaIsReadWhateverItHoldsBesideTheSkeleton) {
+  const std::string good = collada_text("Y_UP", 1);
+  const auto plain = read_scene(bytes_of(good), "x.dae");
+  ASSERT_TRUE(plain);
+  const std::string broken =
+      "<library_materials><material id=\"m\"><instance_effect url=\"nowhere\"/></material></library_materials>"
+      "<library_geometries><geometry id=\"g\"><mesh><vertices id=\"v\"/><polylist count=\"7\"><vcount>3</vcount><p>99 x 7</p></polylist>"
+      "</mesh></geometry></library_geometries><library_visual_scenes>";
+  std::string text = with(good, "<library_visual_scenes>", broken);
+  text = with(text, "<node id=\"tip\"", "<instance_camera url=\"#c\"/><instance_geometry url=\"#none\"/><node id=\"tip\"");
+  text = with(text, "<channel ",
+              "<channel source=\"#s\" target=\"lamp/colour.R\"/><channel source=\"#no\" target=\"arm/bend.ANGLE\"/><channel ");
+  const auto more = read_scene(bytes_of(text), "x.dae");
+  ASSERT_TRUE(more) << more.error().text();
+  ASSERT_EQ(more->size(), 1u);
+  expect_same(plain->front(), more->front(), 1e-12);
+}
+
+/// A skin hangs on the joints that have a weight: `arm` by the pairs, `hip` by none but a weight of nothing.
+TEST(Scene, ColladaSkinsTellTheirJoints) {
+  const auto source = [](const std::string& id, const std::string& array, const std::string& words, int count) {
+    const std::string n = std::to_string(count);
+    return "<source id=\"" + id + "\"><" + array + " id=\"" + id + "-a\" count=\"" + n + "\">" + words + "</" + array +
+           "><technique_common><accessor source=\"#" + id + "-a\" count=\"" + n + "\"/></technique_common></source>";
+  };
+  const std::string skin =
+      "<library_geometries><geometry id=\"g\"><mesh><triangles count=\"1\"><p>0 1 2</p></triangles></mesh></geometry></library_geometries>"
+      "<library_controllers><controller id=\"c\"><skin source=\"#g\">" +
+      source("names", "Name_array", "hip arm", 2) + source("weights", "float_array", "0 0.5", 2) +
+      "<vertex_weights count=\"3\"><input semantic=\"JOINT\" source=\"#names\" offset=\"0\"/><input semantic=\"WEIGHT\" "
+      "source=\"#weights\" "
+      "offset=\"1\"/><vcount>2 1 0</vcount><v>0 0 1 1 1 1</v></vertex_weights></skin></controller></library_controllers>"
+      "<library_visual_scenes>";
+  std::string text = with(collada_text("Y_UP", 1), "<library_visual_scenes>", skin);
+  text = with(text, "<node id=\"hip\"", "<node id=\"body\"><instance_controller url=\"#c\"/></node><node id=\"hip\"");
+  const auto back = read_scene(bytes_of(text), "x.dae");
+  ASSERT_TRUE(back) << back.error().text();
+  ASSERT_EQ(back->front().joint_count(), 1);
+  EXPECT_EQ(back->front().skeleton.joints[0].name, "arm");
+  for (const auto& [old, now, words] : {std::tuple{"<v>0 0 1 1 1 1<", "<v>0 0 1 1 2 1<", "Pair 3 names a joint"},
+                                        std::tuple{"<v>0 0 1 1 1 1<", "<v>0 0 1 1 1 2<", "Pair 3 names a joint"},
+                                        std::tuple{"<vcount>2 1 0<", "<vcount>2 9 0<", "shorter than its <vcount>"},
+                                        std::tuple{"JOINT\" source=\"#names\"", "JOINT\" source=\"#weights\"", "joints are no names"}}) {
+    const auto r = read_scene(bytes_of(with(text, old, now)), "x.dae");
+    ASSERT_FALSE(r) << now;
+    EXPECT_NE(r.error().text().find(words), std::string::npos) << r.error().text();
+  }
+}
+
 }  // namespace
 }  // namespace ugoki::scene_formats

@@ -14,6 +14,7 @@
 #include "ugoki/base/number.h"
 #include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/text.h"
+#include "ugoki/scene_formats/collada_core.h"
 #include "ugoki/scene_formats/scene_file.h"
 
 namespace ugoki::scene_formats {
@@ -423,7 +424,14 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // we turn it ourselves, as other files that have Z up
-  const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, fbx ? "fbx" : "dae");
+  std::string core;
+  if (dae) {
+    Result<std::string> checked = collada_core(bytes, place);
+    if (!checked) return fail(std::move(checked.error()));
+    core = std::move(*checked);
+  }
+  const aiScene* scene = fbx ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, "fbx")
+                             : importer.ReadFileFromMemory(core.data(), core.size(), 0, "dae");
   if (!scene)
     return fail(ErrorCode::syntax, place,
                 "It cannot be read as " + std::string(fbx ? "FBX" : "COLLADA") + ": " + formats::utf8(importer.GetErrorString()) + ".",
