@@ -143,9 +143,12 @@ TEST(HullSearch, SameBitsInEveryWidthOfRegisters) {
       const GilbertResult r = gilbert_distance(a, A, b, B, library);
       ASSERT_TRUE(same(r, hull_distance(a, A, b, B, plain, {}))) << i;
 #ifdef __x86_64__
-      if (__builtin_cpu_supports("avx2")) ASSERT_TRUE(same(r, hull_distance_avx2(a, A, b, B, wide, {}))) << i;
-      if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+      if (__builtin_cpu_supports("avx2")) {
+        ASSERT_TRUE(same(r, hull_distance_avx2(a, A, b, B, wide, {}))) << i;
+      }
+      if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) {
         ASSERT_TRUE(same(r, hull_distance_avx512(a, A, b, B, wider, {}))) << i;
+      }
 #endif
       A.p.x += 0.01;
       B.R = rotation_about({0, 0.6, 0.8}, 0.02) * B.R;

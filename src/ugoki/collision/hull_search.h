@@ -9,8 +9,11 @@
 #include "ugoki/collision/gilbert_search.h"
 #include "ugoki/collision/lane_simplex.h"
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"  // of vectors as results: no function here is called from elsewhere
+#ifdef __clang__
+#define UGOKI_UNPREDICTABLE(condition) __builtin_unpredictable(condition)
+#else
+#define UGOKI_UNPREDICTABLE(condition) (condition)
+#endif
 
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see above
@@ -74,23 +77,35 @@ template <class Move>
   return best;
 }
 
-/// One step down along v from `middle`: to its lowest neighbour (of which those that differ by rounding are as good), or none.
-/// @param at `middle` in the frame of a, all lanes the same
+/// A vertex and its neighbours.
+struct Ring {
+  std::int32_t vertex;
+  const HullWalk::Node* node;
+  Four3 low, high;  ///< m, frame of a: the neighbours
+};
+
 /// @param move from the hull's frame to that of a
 template <class Move>
-static inline Place step_down(const Hull& h, std::int32_t middle, const Four3& at, const Move& move, const Four3& v, double slack) {
-  const HullWalk::Node& node = h.walk.nodes[static_cast<std::size_t>(middle)];
-  const Four3 ring = move(Four3{four_at(node.x), four_at(node.y), four_at(node.z)});
-  const Four3 rest = move(Four3{four_at(node.x + 4), four_at(node.y + 4), four_at(node.z + 4)});
-  const Four lowest = lowest_with_lane(dot(v, ring), dot(v, rest));
+static inline Ring ring_at(const Hull& h, std::int32_t vertex, const Move& move) {
+  const HullWalk::Node& node = h.walk.nodes[static_cast<std::size_t>(vertex)];
+  return {vertex, &node, move(Four3{four_at(node.x), four_at(node.y), four_at(node.z)}),
+          move(Four3{four_at(node.x + 4), four_at(node.y + 4), four_at(node.z + 4)})};
+}
+
+/// One step down along v: to the lowest neighbour (of which those that differ by rounding are as good), or none.
+/// @param at the ring's middle in the frame of a, all lanes the same
+template <class Move>
+static inline Place step_down(const Hull& h, const Ring& ring, const Four3& at, const Move& move, const Four3& v, double slack) {
+  const Four lowest = lowest_with_lane(dot(v, ring.low), dot(v, ring.high));
   const FourInts lower = lowest < dot(v, at) - all(slack);
   Place out;
-  out.at = select(lower, {lane_of(ring.x, rest.x, lowest), lane_of(ring.y, rest.y, lowest), lane_of(ring.z, rest.z, lowest)}, at);
+  out.at = select(
+      lower, {lane_of(ring.low.x, ring.high.x, lowest), lane_of(ring.low.y, ring.high.y, lowest), lane_of(ring.low.z, ring.high.z, lowest)},
+      at);
   out.moved = lower[0] != 0;
-  const std::int32_t neighbour = node.vertex[lane_in(lowest)];
-  out.vertex = out.moved ? neighbour : middle;
-  if (node.more_count > 0) [[unlikely]]
-    return step_beyond(h, node, move, v, slack, out);
+  out.vertex = UGOKI_UNPREDICTABLE(out.moved) ? ring.node->vertex[lane_in(lowest)] : ring.vertex;
+  if (ring.node->more_count > 0) [[unlikely]]
+    return step_beyond(h, *ring.node, move, v, slack, out);
   return out;
 }
 
@@ -115,19 +130,21 @@ class HullSearch {
     Place a{third(on_a), a0_[0], false}, b{third(on_b), b0_[0], false};
     bool news = true;
     for (int k = 1; k < most_rings; ++k) {
+      // Before the simplex is reduced, as they do not wait for it.
+      const Ring ring_a = ring_at(a_, a.vertex, InPlace()), ring_b = ring_at(b_, b.vertex, X);
       if (news) simplex.add(a.at - b.at, a.vertex, b.vertex);
       const Four3 v = simplex.v;
       const double vv = dot(v, v)[0], d = std::sqrt(vv);
       if (!(d > least)) return false;
       const double slack = level * scale * d;
-      a = step_down(a_, a.vertex, a.at, InPlace(), v, slack);
-      b = step_down(b_, b.vertex, b.at, X, {-v.x, -v.y, -v.z}, slack);
+      a = step_down(a_, ring_a, a.at, InPlace(), v, slack);
+      b = step_down(b_, ring_b, b.at, X, {-v.x, -v.y, -v.z}, slack);
       const double vw = dot(v, a.at - b.at)[0];
       if (!(vw > 0)) return false;
       news = vv - vw > tolerance * d;
       if (!news && !a.moved && !b.moved) {
         out.iterations = k;
-        return finish(out, simplex, d, vw / d, tolerance, a.vertex, b.vertex);
+        return finish(out, simplex, d, vw / d, tolerance, ring_a.vertex, ring_b.vertex);
       }
     }
     return false;
@@ -158,7 +175,7 @@ class HullSearch {
   static Four3 corners(const Hull& h, const std::int32_t* i) {
     const Vec3 &r = h.vertices[static_cast<std::size_t>(i[0])], &p = h.vertices[static_cast<std::size_t>(i[1])],
                &q = h.vertices[static_cast<std::size_t>(i[2])];
-    return {{p.x, q.x, r.x, r.x}, {p.y, q.y, r.y, r.y}, {p.z, q.z, r.z, r.z}};
+    return {Four{p.x, q.x, r.x, r.x}, Four{p.y, q.y, r.y, r.y}, Four{p.z, q.z, r.z, r.z}};
   }
 
   bool finish(GilbertResult& out, const LaneSimplex& simplex, double d, double lower, double tolerance, std::int32_t ia, std::int32_t ib) {
@@ -221,5 +238,4 @@ static inline GilbertResult hull_distance(const Support& a, const Pose& X_WA, co
 
 }  // namespace
 }  // namespace ugoki::collision
-
-#pragma GCC diagnostic pop
+#undef UGOKI_UNPREDICTABLE

@@ -11,9 +11,6 @@
 #include <immintrin.h>
 #endif
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"  // of vectors as results: no function here is called from elsewhere
-
 namespace ugoki::collision {
 namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
 
@@ -98,10 +95,9 @@ struct LaneSimplex {
     const FourInts is_face = face_vv < edge_vv;
     const Four least = is_face ? face_vv : edge_vv;
     const Four3 point{is_face ? n.x * hs : p.x + e.x * t, is_face ? n.y * hs : p.y + e.y * t, is_face ? n.z * hs : p.z + e.z * t};
-    // The least of three, the first of equals; the corners that it needs; p takes the lane after them.
-    const Four l1 = next(least), l2 = after_next(least);
-    const FourInts tie1 = {-1, -1, 0, 0}, tie2 = {-1, 0, 0, 0}, three = {-1, -1, -1, 0};
-    const FourInts best = three & ((least < l1) | (tie1 & (least == l1))) & ((least < l2) | (tie2 & (least == l2)));
+    // The least of three, the first of equals (its lane stands in its last bits); the corners that it needs; p takes the lane after them.
+    const Four named = (Four)(((FourInts)least & ~FourInts{3, 3, 3, 3}) | FourInts{0, 1, 2, 3});
+    const FourInts best = (named < next(named)) & (named < after_next(named));
     const FourInts second = after_next(best & is_face), newest = next(best);
     const Four own = is_face ? wq * scale : t, rest = next(is_face ? wp * scale : one - t);
     weight = best ? own : zero;
@@ -124,5 +120,3 @@ struct LaneSimplex {
 
 }  // namespace
 }  // namespace ugoki::collision
-
-#pragma GCC diagnostic pop
