@@ -217,9 +217,10 @@ void ImpactSearch::add_candidate(int a, int b) {
   const SceneShape& sa = scene_.shapes()[static_cast<std::size_t>(a)];
   const Sweep& wa = sweeps_[static_cast<std::size_t>(a)];
   if (b < 0) {
-    if (!sa.movable || wa.centre.z - wa.radius > scene_.ground().height + options_.tolerance) return;
+    if (!sa.movable || wa.way < least_way_ || wa.centre.z - wa.radius > scene_.ground().height + options_.tolerance) return;
   } else {
     const Sweep& wb = sweeps_[static_cast<std::size_t>(b)];
+    if (wa.way + wb.way < least_way_) return;
     if (!sa.movable && !scene_.shapes()[static_cast<std::size_t>(b)].movable) return;
     const Vec3 gap = wa.centre - wb.centre;
     const double reach = wa.radius + wb.radius + options_.tolerance;
@@ -280,20 +281,23 @@ SceneImpact ImpactSearch::make_impact(const Candidate& c, const PairDistance& d,
   return out;
 }
 
-void ImpactSearch::prepare_all(double dt) {
+void ImpactSearch::prepare_all(double dt, double least_way) {
+  least_way_ = least_way;
   for (std::size_t s = 0; s < motions_.size(); ++s) prepare(s, motions_[s], dt);
   for (std::size_t i = 0; i < sweeps_.size(); ++i) {
     const Moving m = moving(static_cast<int>(i), 0);
     const SceneShape& shape = scene_.shapes()[i];
     // The middle of the centre's way, were it straight.
-    sweeps_[i] = {m.X_WS * shape.centre + m.v * (0.5 * dt), shape.bound + 0.5 * dt * norm(m.v) + 0.5 * m.a * dt * dt};
+    const double way = norm(m.v) * dt + 0.5 * m.a * dt * dt;
+    sweeps_[i] = {m.X_WS * shape.centre + m.v * (0.5 * dt), shape.bound + 0.5 * dt * norm(m.v) + 0.5 * m.a * dt * dt,
+                  way + (norm(m.w) * dt + 0.5 * m.alpha * dt * dt) * shape.bound};
   }
 }
 
 SceneImpact ImpactSearch::find(std::span<const SystemMotion> systems, double dt, double margin) {
   UGOKI_CHECK(systems.size() == systems_.size());
   motions_ = systems;
-  prepare_all(dt);
+  prepare_all(dt, margin);  // what is nearer is left out, and others cannot touch
   find_candidates();
   // Whoever may be first is looked at next, so that the first that touches is the first of all.
   const auto later = [&](std::uint32_t x, std::uint32_t y) {
@@ -361,7 +365,7 @@ bool ImpactSearch::passes(Candidate& c, double end, double dt) {
 SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, double dt) {
   UGOKI_CHECK(systems.size() == systems_.size());
   motions_ = systems;
-  prepare_all(dt);
+  prepare_all(dt, 0);
   find_candidates();
   SceneImpact out;
   out.time = dt;

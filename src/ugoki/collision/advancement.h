@@ -114,10 +114,11 @@ class ImpactSearch {
   struct Sweep {
     Vec3 centre;
     double radius = 0;  // m: holds the shape during the whole step
+    double way = 0;     // m: no point of it goes farther
   };
 
   void prepare(std::size_t system, const SystemMotion& motion, double dt);
-  void prepare_all(double dt);
+  void prepare_all(double dt, double least_way);
   bool passes(Candidate& c, double end, double dt);
   void move_to(std::size_t system, double time);
   [[nodiscard]] Moving moving(int shape, double time);
@@ -130,6 +131,7 @@ class ImpactSearch {
   Collider ground_;
   std::span<const SystemMotion> motions_;
   std::vector<System> systems_;
+  double least_way_ = 0;                       // m that two shapes must be able to go together to be looked at
   std::vector<Sweep> sweeps_;                  // [shapes]
   std::vector<double> half_width_;             // m [shapes] half of the least distance of two parallel planes that hold it
   std::vector<std::pair<double, int>> order_;  // [shapes] least x of its way, shape

@@ -9,14 +9,15 @@ std::span<const TouchEvent> ContactEvents::update(std::span<const collision::Con
   events_.clear();
   now_.assign(touches_.size(), Vec3{});
   const std::size_t old = touches_.size();
+  std::size_t at = old;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const collision::ContactPoint& c = contacts[i];
     if (forces[i] == Vec3{}) continue;
     const auto same = [&](const Touch& t) {
       return t.system_a == c.system_a && t.link_a == c.link_a && t.system_b == c.system_b && t.link_b == c.link_b;
     };
-    const auto found = std::ranges::find_if(touches_, same);
-    const auto at = static_cast<std::size_t>(found - touches_.begin());
+    if (at >= touches_.size() || !same(touches_[at]))  // points of one pair come one after the other
+      at = static_cast<std::size_t>(std::ranges::find_if(touches_, same) - touches_.begin());
     if (at == touches_.size()) {
       touches_.push_back({c.system_a, c.link_a, c.system_b, c.link_b, c.p, {}, 0, 0});
       now_.emplace_back();

@@ -35,9 +35,10 @@ double rolling_radius(const Link& link) {
 Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
   const Mat3 M = I.matrix();
   Vec3 next = w;
-  for (int k = 0; k < 4; ++k) {  // Newton's method
+  for (int k = 0; k < 5; ++k) {  // Newton's method
     const Vec3 mean = (w + next) * 0.5, momentum = M * mean;
     const Vec3 rest = M * (next - w) + cross(mean, momentum) * dt;
+    if (!(dot(rest, rest) > 1e-30 * dot(momentum, momentum))) break;
     next = next - inverse(M + (Mat3::skew(mean) * M - Mat3::skew(momentum)) * (0.5 * dt)) * rest;
   }
   const Vec3 mean = (w + next) * 0.5, moment = cross(mean, M * mean), rest = M * (next - w) + moment * dt;
@@ -171,7 +172,7 @@ void Stepper::find_impacts(std::span<StepSystem> systems, std::span<const collis
 
 /// @param careful where a step is taken again
 SolverOptions Stepper::solver_options(double dt, bool careful) const {
-  const double coarse = (careful ? 0.1 : 1.0) * coarse_distance / dt;
+  const double coarse = (careful ? 0.3 : 1.0) * coarse_distance / dt;
   return {(careful ? 4 : 1) * options_.iterations, options_.tolerance, coarse, options_.softness};
 }
 

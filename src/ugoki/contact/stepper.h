@@ -82,7 +82,7 @@ class Stepper {
                   std::size_t certain = SIZE_MAX);
 
   /// The same step once more, from the same positions and velocities, after contacts were added to those of the last call of step() or
-  /// again(): only islands that the new ones touch are solved, ten times as closely.
+  /// again(): only islands that the new ones touch are solved, three times as closely.
   /// @param contacts those of the last call, then the new ones, which take part however far apart they are
   StepReport again(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt);
   /// Whether the last call of again() may have changed what became of a system; after step() everything may have changed.

@@ -22,14 +22,21 @@ struct Collision {
   double margin;
   std::unique_ptr<contact::SweptContacts> swept;
   std::vector<collision::SystemMotion> motions;
+  std::vector<double> reach;  // m [characters] of free bodies, from their origins; 0: others
 };
 
-/// Anything that may move farther in a step than half the margin: freedoms of 1 m and of 1 rad alike, links being about 1 m long.
+/// Anything that may move farther in a step than half the margin. Of linked systems freedoms of 1 m and of 1 rad alike, links being about 1
+/// m long.
 bool is_fast(const Collision& self, double dt) {
   const double limit = 0.5 * self.margin / dt;
-  for (const collision::SystemMotion& m : self.motions)
-    for (const double v : m.v)
-      if (std::fabs(v) > limit) return true;
+  for (std::size_t i = 0; i < self.motions.size(); ++i) {
+    const std::span<const double> v = self.motions[i].v;
+    if (self.reach[i] > 0) {
+      if (norm(Vec3{v[3], v[4], v[5]}) + norm(Vec3{v[0], v[1], v[2]}) * self.reach[i] > limit) return true;
+    } else if (std::ranges::any_of(v, [limit](double x) { return std::fabs(x) > limit; })) {
+      return true;
+    }
+  }
   return false;
 }
 
@@ -59,10 +66,16 @@ void* make(Setup& s) {
   collision::SceneOptions options;
   options.self_collision = s.boolean("self-collision");
   auto* self =
-      new Collision{world, collision::Scene(world->mechanisms(), world->ground(), options), {}, {}, {}, {}, s.number("margin"), {}, {}};
+      new Collision{world, collision::Scene(world->mechanisms(), world->ground(), options), {}, {}, {}, {}, s.number("margin"), {}, {}, {}};
   self->workspace = collision::Workspace(self->scene);
   self->swept = std::make_unique<contact::SweptContacts>(self->scene);
   self->motions.resize(world->characters().size());
+  self->reach.resize(world->characters().size());
+  for (const collision::SceneShape& shape : self->scene.shapes()) {
+    const Mechanism& m = *self->scene.systems()[static_cast<std::size_t>(shape.system)];
+    double& reach = self->reach[static_cast<std::size_t>(shape.system)];
+    if (m.link_count() == 1 && m.link(0).joint.type == JointType::floating) reach = std::max(reach, norm(shape.shape.X_BS.p) + shape.reach);
+  }
   for (const Character& c : world->characters()) self->poses.emplace_back(static_cast<std::size_t>(c.mechanism->link_count()));
   for (const auto& p : self->poses) self->views.emplace_back(p);
   self->contacts.reserve(2 * std::size_t{world->contact_capacity()});

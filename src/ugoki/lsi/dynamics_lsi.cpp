@@ -30,6 +30,7 @@ struct Dynamics {
   std::vector<int> torque_wire;                // [characters] -1: none
   std::vector<collision::ContactPoint> contacts;
   std::vector<contact::StepSystem> systems;
+  std::vector<char> touches_itself;  // [characters]
   contact::ContactEvents touches;
 };
 
@@ -74,10 +75,10 @@ std::int32_t explain(const Call* call, const Dynamics& self, const contact::Step
 /// Who is given no contacts touches nothing, so there is nothing to guard. Afterwards self.contacts are those of the step.
 contact::StepReport take_step(Dynamics& self, double dt, std::span<const Vec3>& forces) {
   if (self.contacts.empty()) return self.stepper.step(self.systems, self.contacts, dt);
-  for (std::size_t s = 0; s < self.systems.size(); ++s) {  // links of one character collide where collision analysis says so
-    const auto of_itself = [s](const collision::ContactPoint& c) { return c.system_a == static_cast<int>(s) && c.system_b == c.system_a; };
-    self.scene.set_self_collision(static_cast<int>(s), std::ranges::any_of(self.contacts, of_itself));
-  }
+  std::ranges::fill(self.touches_itself, char{0});  // links of one character collide where collision analysis says so
+  for (const collision::ContactPoint& c : self.contacts)
+    if (c.system_a >= 0 && c.system_a == c.system_b) self.touches_itself[static_cast<std::size_t>(c.system_a)] = 1;
+  for (std::size_t s = 0; s < self.systems.size(); ++s) self.scene.set_self_collision(static_cast<int>(s), self.touches_itself[s] != 0);
   self.guard.forget();  // a step depends on the state alone: the same bits after a restore
   const contact::StepReport report = self.guard.step(self.systems, self.contacts, dt);
   forces = self.guard.forces();
@@ -164,6 +165,7 @@ void* make(Setup& s) {
     self->torque_wire[static_cast<std::size_t>(s.in(in_torque, k).subject)] = static_cast<int>(in_torque + k);
   self->contacts.reserve(2 * std::size_t{world->contact_capacity()});
   self->systems.resize(world->characters().size());
+  self->touches_itself.resize(world->characters().size());
   return self;
 }
 
