@@ -290,21 +290,22 @@ class ForwardKernel {
     const RevoluteCrossing<T, K> X = pass_.template revolute<K>(o);
     const V3<T> w = w_[i + 1];
     const T rate = with_sign(o, c, v(o.v));
-    V3<T> c_v{none, none, none};
+    V3<T> c_v{none, none, none};  // in the parent's axes
     if (o.offset != 0) {
-      c_v = X.down(centripetal(w_[o.parent + 1], o.offset, c.p));
+      c_v = centripetal(w_[o.parent + 1], o.offset, c.p);
       velocity_product_[i] = c_v;
     }
     const T cx = w.y * rate, cy = -(w.x * rate);
     FreedomPass& f = freedom_[o.v];
     const V3<T> Uw{A.I.xz, A.I.yz, A.I.zz}, Uv = A.H.row(2);
     const T d = inverse_pivot(armed ? Uw.z + T(c.armature[0]) : Uw.z);
-    const T u = with_sign(o, c, tau(o.v)) - A.n.z;
+    const T drive = with_sign(o, c, tau(o.v));
+    const T u = drive - A.n.z;
     const T step = u * d;
     f = {{Uw, Uv}, d, u};
     if constexpr (loops) {
       loops_.freedom(i, 0, o.v, f.U, d, u, T(c.sign), [](const auto& P) { return P.w.z; });
-      loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, c_v});
+      loops_.velocity_product(i, Vec6T<T>{{cx, cy, none}, X.down(c_v)});
       loops_.hand_on(i, X, vector_of<T>(c.p));
     }
     if (!twins && o.parent < 0) return;
@@ -337,16 +338,14 @@ class ForwardKernel {
     A.M.xy -= Uv.x * dv.y;
     A.M.xz -= Uv.x * dv.z;
     A.M.yz -= Uv.y * dv.z;
-    // c enters by the inertia handed on: pA + (IA - U U^T / D) c + U u / D
-    A.n += V3<T>{A.I.xx * cx + A.I.xy * cy, A.I.xy * cx + A.I.yy * cy, armed ? A.I.xz * cx + A.I.yz * cy : none} + Uw * step;
+    // c enters by the inertia handed on: pA + (IA - U U^T / D) c + U u / D. About z this is the joint's force where there is no armature.
+    A.n.x += (A.I.xx * cx + A.I.xy * cy) + Uw.x * step;
+    A.n.y += (A.I.xy * cx + A.I.yy * cy) + Uw.y * step;
+    if constexpr (armed)
+      A.n.z += (A.I.xz * cx + A.I.yz * cy) + Uw.z * step;
+    else
+      A.n.z = drive;
     A.f += V3<T>{A.H.xx * cx + A.H.yx * cy, A.H.xy * cx + A.H.yy * cy, A.H.xz * cx + A.H.yz * cy} + Uv * step;
-    if (o.offset != 0) {
-      const V3<T> Hc = A.H * c_v;
-      A.n.x += Hc.x;
-      A.n.y += Hc.y;
-      if constexpr (armed) A.n.z += Hc.z;
-      A.f += A.M * c_v;
-    }
     if constexpr (armed) {
       A.I = X.up(A.I);
       A.H = X.up(A.H);
@@ -356,8 +355,14 @@ class ForwardKernel {
     A.M = X.up(A.M);
     A.n = X.up(A.n);
     A.f = X.up(A.f);
-    constexpr int z_above = K == Crossing::cycle ? 0 : K == Crossing::cycle_back ? 1 : 2;
-    shift<armed ? 3 : z_above>(A, o.offset, c.p);
+    constexpr int zero_row = armed ? 3 : K == Crossing::cycle ? 0 : K == Crossing::cycle_back ? 1 : 2;
+    if (o.offset != 0) {
+      if constexpr (zero_row != 0) A.n.x += dot(A.H.row(0), c_v);
+      if constexpr (zero_row != 1) A.n.y += dot(A.H.row(1), c_v);
+      if constexpr (zero_row != 2) A.n.z += dot(A.H.row(2), c_v);
+      A.f += A.M * c_v;
+    }
+    shift<zero_row>(A, o.offset, c.p);
     hand_on(o, A);
   }
 
@@ -515,8 +520,8 @@ class ForwardKernel {
     wd.y -= w.x * rate;
     V3<T> a = up.v;
     subtract_cross(a, o.offset, c.p, up.w);
-    a = X.down(a);
     if (o.offset != 0) a += velocity_product_[i];
+    a = X.down(a);
     const FreedomPass& f = freedom_[o.v];
     const T vdot = f.d * ((loops ? reduced_force(i, 0, f) : f.u) - (dot(f.U.w, wd) + dot(f.U.v, a)));
     give(o.v, with_sign(o, c, vdot));
@@ -571,7 +576,7 @@ class ForwardKernel {
   Pass<T, Constant> pass_;
   const KernelArguments<Real, Constant>& a_;
   V3<T>* w_;                 // [nodes + 1], the world first
-  V3<T>* velocity_product_;  // [nodes] linear part, of plain revolute joints whose origin is not the parent's
+  V3<T>* velocity_product_;  // [nodes] linear part in the parent's axes, of plain revolute joints whose origin is not the parent's
   FreedomPass* freedom_;     // [nv]
   Vec6T<T>* acceleration_;   // [nodes + 1] at place()
   Articulated<T>* slots_;

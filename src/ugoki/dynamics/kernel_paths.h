@@ -130,10 +130,10 @@ class PathForward {
     const V3<One> w = kernel_.w_[i + 1];
     const One rate = kernel_.v(o.v) * One(c.sign);
     g -= P.w.x * wide(w.y * rate) - P.w.y * wide(w.x * rate);
-    if (o.offset != 0) g -= along(P.v, kernel_.velocity_product_[i]);
     const RevoluteCrossing<One, K> one = kernel_.pass_.template revolute<K>(o);
     const RevoluteCrossing<Rows, K> X{wide(one.s), wide(one.c)};
     P.v = X.up(P.v);
+    if (o.offset != 0) g -= along(P.v, kernel_.velocity_product_[i]);
     P.w = X.up(P.w);
     add_cross(P.w, o.offset, c.p, P.v);
   }
