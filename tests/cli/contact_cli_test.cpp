@@ -196,6 +196,16 @@ TEST_F(Slow_ContactCli, AHeapOfTwoHundredIsNotDeepInItself) {
   EXPECT_LT(depth(frames), 2e-3);
 }
 
+TEST_F(Slow_ContactCli, AStackOfTenAndAThousandTimesHeavierStandForAMinute) {
+  add_stack(std::vector<double>(10, 500.0));
+  EXPECT_LT(drift(run(60)), 1e-3);
+  std::filesystem::remove(path("bodies.ugoki"));
+  scenario_ = {};
+  bodies_.clear();
+  add_stack(std::vector{100.0, 1e5});
+  EXPECT_LT(drift(run(60)), 1e-3);
+}
+
 TEST_F(ContactCli, AFastBallDoesNotPassAPlate) {
   for (const double step : {0.004, 0.002, 0.0005})
     for (const bool fixed : {true, false})
