@@ -229,19 +229,16 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
   for (const Row& r : list_)
     if ((plastic || (r.e > 0 && -r.u > options.least_speed)) && takes_part(r)) fastest = std::max(fastest, -r.u);
   if (fastest <= rounding_) return false;
+  fastest_.clear();
+  for (std::size_t i = 0; i < list_.size() && !plastic; ++i)
+    if (list_[i].e > 0 && -list_[i].u >= (1 - tied) * fastest && takes_part(list_[i])) fastest_.push_back(list_[i].contact);
   group_.clear();
   for (std::size_t i = 0; i < list_.size(); ++i) {
     const Row& r = list_[i];
-    if (plastic) {
-      group_.push_back(static_cast<int>(i));
-      continue;
-    }
-    if (!(r.e > 0) || !takes_part(r)) continue;
-    const bool joins = std::ranges::any_of(list_, [&](const Row& other) {
-      return other.e > 0 && -other.u >= (1 - tied) * fastest && takes_part(other) &&
-             same_pair(contacts[static_cast<std::size_t>(r.contact)], contacts[static_cast<std::size_t>(other.contact)]);
-    });
-    if (joins) group_.push_back(static_cast<int>(i));
+    const auto of_its_pair = [&](int other) {
+      return same_pair(contacts[static_cast<std::size_t>(r.contact)], contacts[static_cast<std::size_t>(other)]);
+    };
+    if (plastic || (r.e > 0 && takes_part(r) && std::ranges::any_of(fastest_, of_its_pair))) group_.push_back(static_cast<int>(i));
   }
   for (const int i : group_)
     if (!make_jump(systems, list_[static_cast<std::size_t>(i)], report)) return false;
@@ -259,17 +256,21 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
     for (std::size_t j = 0; j <= i; ++j) A_[i * n + j] = A_[j * n + i] = coupling(systems, r, list_[static_cast<std::size_t>(group_[j])]);
   }
   solve_nonnegative(n);
+  struck_.assign(systems.size(), 0);
   for (std::size_t i = 0; i < n; ++i) {
     if (p_[i] == 0) continue;
     const Row& r = list_[static_cast<std::size_t>(group_[i])];
     impulses_[static_cast<std::size_t>(r.contact)] += p_[i];
     for (const Side& side : r.sides) {  // (18) (19)
       if (side.system < 0) continue;
+      struck_[static_cast<std::size_t>(side.system)] = 1;
       const LinkSystem& s = systems[static_cast<std::size_t>(side.system)];
       for (std::size_t k = 0; k < freedoms(s); ++k) s.v[k] += jumps_[static_cast<std::size_t>(side.row) + k] * p_[i];
     }
   }
-  for (Row& r : list_) update_velocity(systems, r, plastic);
+  const auto is_struck = [&](const Side& side) { return side.system >= 0 && struck_[static_cast<std::size_t>(side.system)]; };
+  for (Row& r : list_)
+    if (std::ranges::any_of(r.sides, is_struck)) update_velocity(systems, r, plastic);
   ++report.collisions;
   return true;
 }

@@ -91,8 +91,10 @@ class CollisionImpulse {
   std::vector<double> jumps_;   // MJ of each side
   std::vector<char> factored_;  // [systems]
   std::vector<double> impulses_;
-  double rounding_ = 0;     // m/s: slower approaches are none
-  std::vector<int> group_;  // into list_
+  double rounding_ = 0;       // m/s: slower approaches are none
+  std::vector<int> group_;    // into list_
+  std::vector<int> fastest_;  // contacts that approach fastest
+  std::vector<char> struck_;  // [systems] by the last collision
   std::vector<double> A_, b_, p_, L_, s_, g_;
   std::vector<int> passive_;
   std::vector<char> banned_;
