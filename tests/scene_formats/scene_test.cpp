@@ -219,5 +219,122 @@ TEST(Scene, ColladaSkinsTellTheirJoints) {
   }
 }
 
+/// A hip and a knee of which the knee turns about z from 0 to 30 degrees in a second, by hand.
+constexpr const char* fbx_text = R"(; FBX 7.4.0 project file
+FBXHeaderExtension:  {
+  FBXVersion: 7400
+}
+Objects:  {
+  Model: 10, "Model::hip", "LimbNode" {
+    Properties70:  {
+      P: "Lcl Translation", "Lcl Translation", "", "A", 0.0, 90.0, 0.0
+    }
+  }
+  Model: 11, "Model::knee", "LimbNode" {
+    Properties70:  {
+      P: "Lcl Translation", "Lcl Translation", "", "A", 0.0, -40.0, 0.0
+    }
+  }
+  AnimationStack: 20, "AnimStack::walk", "" {
+  }
+  AnimationLayer: 21, "AnimLayer::base", "" {
+  }
+  AnimationCurveNode: 23, "AnimCurveNode::R", "" {
+    Properties70:  {
+      P: "d|Z", "Number", "", "A", 0.0
+    }
+  }
+  AnimationCurve: 24, "AnimCurve::", "" {
+    KeyTime: *2 {
+      a: 0,46186158000
+    }
+    KeyValueFloat: *2 {
+      a: 0.0,30.0
+    }
+  }
+}
+Connections:  {
+  C: "OO",10,0
+  C: "OO",11,10
+  C: "OO",21,20
+  C: "OO",23,21
+  C: "OP",23,11, "Lcl Rotation"
+  C: "OP",24,23, "d|Z"
+}
+)";
+
+TEST(Scene, FbxByHandIsReadWhateverItHoldsBesideTheSkeleton) {
+  const auto plain = read_scene(bytes_of(fbx_text), "x.fbx");
+  ASSERT_TRUE(plain) << plain.error().text();
+  ASSERT_EQ(plain->size(), 1u);
+  const MeasuredMotion& m = plain->front();
+  ASSERT_EQ(m.frames, 2);
+  std::vector<Pose> X(static_cast<std::size_t>(m.joint_count()));
+  m.calc_joint_poses(1, X);
+  const Pose& knee = X[static_cast<std::size_t>(joint_named(m, "knee"))];
+  EXPECT_LT(norm(knee.p - Vec3{0, 0, 0.5}), 1e-6);  // Y up in centimetres
+  EXPECT_NEAR(std::fabs(knee.R.row(2).y), 0.5, 1e-6);
+  const std::string broken =
+      "Objects:  {\n  Material: 5, \"Material::m\" {\n }\n  Video: 6, \"Video::v\", \"Clip\" {\n Content: , \"AAAA\"\n }\n"
+      "  Geometry: 7, \"Geometry::g\", \"Mesh\" {\n    PolygonVertexIndex: *9 {\n      a: 5,6,x\n    }\n  }\n"
+      "  AnimationCurve: 8, \"AnimCurve::none\", \"\" {\n    KeyTime: *0 {\n a: \n }\n    KeyValueFloat: *0 {\n a: \n }\n  }\n";
+  std::string text = with(fbx_text, "Objects:  {\n", broken);
+  text =
+      with(text, "Connections:  {\n", "Connections:  {\n  C: \"OO\",5,11\n  C: \"OO\",6,5\n  C: \"OP\",8,23, \"d|X\"\n  C: \"OO\",99,10\n");
+  const auto more = read_scene(bytes_of(text), "x.fbx");
+  ASSERT_TRUE(more) << more.error().text();
+  expect_same(plain->front(), more->front(), 1e-12);
+}
+
+TEST(Scene, FbxThatCannotBeIsRefused) {
+  struct Case {
+    const char *old, *now, *place, *words;
+  };
+  const Case cases[] = {
+      {"a: 0.0,30.0", "a: 0.0", "line 29, 'KeyValueFloat'", "tells of 2 numbers, but there are 1"},
+      {"KeyValueFloat: *2 {\n      a: 0.0,30.0", "KeyValueFloat: *1 {\n      a: 0.0", "AnimationCurve", "2 times, but 1 values"},
+      {"a: 0.0,30.0", "a: 0.0,nan", "KeyValueFloat", "no number"},
+      {"a: 0,46186158000", "a: 46186158000,0", "KeyTime", "do not go up"},
+      {"a: 0,46186158000", "a: 0,91861580000000000", "KeyTime", "beyond a million seconds"},
+      {"a: 0.0,30.0", "a: 0.0,3e9", "AnimationCurve", "100,000 turns"},
+      {"\"OO\",10,0", "\"OO\",10,0\n  C: \"OO\",10,11", "Model", "stands below itself"},
+      {"FBXVersion: 7400", "FBXVersion: 6100", "x.fbx", "6100"},
+      {"  AnimationStack: 20", "  } AnimationStack: 20", "line", "cannot be read"},
+      {"23, \"d|Z\"", "23, \"d|Z", "line 40", "not closed"},
+  };
+  for (const Case& c : cases) {
+    const auto r = read_scene(bytes_of(with(fbx_text, c.old, c.now)), "x.fbx");
+    ASSERT_FALSE(r.has_value()) << c.old << " -> " << c.now;
+    const std::string text = r.error().text();
+    EXPECT_NE(text.find(c.place), std::string::npos) << text;
+    EXPECT_NE(text.find(c.words), std::string::npos) << text;
+    EXPECT_NE(text.find("Export it again"), std::string::npos) << text;
+  }
+}
+
+/// A binary file of one record with one array, of which the parts can be wrong.
+std::string binary_fbx(std::uint32_t count, std::uint32_t packed, std::uint32_t bytes, std::uint32_t end) {
+  std::string out("Kaydara FBX Binary  \0\x1a\0", 23);
+  const auto put = [&](std::uint32_t x) { out.append(reinterpret_cast<const char*>(&x), sizeof x); };
+  for (const std::uint32_t x : {7400u, end, 1u, 21u}) put(x);
+  out += "\7KeyTimel";
+  for (const std::uint32_t x : {count, packed, bytes}) put(x);
+  return out + std::string(8, '\0') + std::string(13, '\0');
+}
+
+TEST(Scene, BinaryFbxThatDoesNotLieWithinItselfIsRefused) {
+  const auto told = [](const std::string& file) {
+    const auto r = read_scene(bytes_of(file), "x.fbx");
+    EXPECT_FALSE(r.has_value());
+    return r ? std::string() : r.error().text();
+  };
+  EXPECT_NE(told(binary_fbx(1, 0, 8, 68)).find("no objects"), std::string::npos) << "whole, but nothing in it";
+  EXPECT_NE(told(binary_fbx(1, 0, 8, 69)).find("byte"), std::string::npos);
+  EXPECT_NE(told(binary_fbx(1, 0, 9, 68)).find("longer than its record"), std::string::npos);
+  EXPECT_NE(told(binary_fbx(1, 0, 8, 900)).find("does not lie within"), std::string::npos);
+  EXPECT_NE(told(binary_fbx(1, 0, 8, 5)).find("does not lie within"), std::string::npos);
+  EXPECT_NE(told(binary_fbx(1, 0, 8, 68).substr(0, 35)).find("cut off"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace ugoki::scene_formats

@@ -15,6 +15,7 @@
 #include "ugoki/formats/file_axes.h"
 #include "ugoki/formats/text.h"
 #include "ugoki/scene_formats/collada_core.h"
+#include "ugoki/scene_formats/fbx_core.h"
 #include "ugoki/scene_formats/scene_file.h"
 
 namespace ugoki::scene_formats {
@@ -424,14 +425,9 @@ Result<std::vector<MeasuredMotion>> read_scene_unguarded(std::span<const std::by
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);  // we turn it ourselves, as other files that have Z up
-  std::string core;
-  if (dae) {
-    Result<std::string> checked = collada_core(bytes, place);
-    if (!checked) return fail(std::move(checked.error()));
-    core = std::move(*checked);
-  }
-  const aiScene* scene = fbx ? importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, "fbx")
-                             : importer.ReadFileFromMemory(core.data(), core.size(), 0, "dae");
+  const Result<std::string> core = fbx ? fbx_core(bytes, place) : collada_core(bytes, place);
+  if (!core) return fail(core.error());
+  const aiScene* scene = importer.ReadFileFromMemory(core->data(), core->size(), 0, fbx ? "fbx" : "dae");
   if (!scene)
     return fail(ErrorCode::syntax, place,
                 "It cannot be read as " + std::string(fbx ? "FBX" : "COLLADA") + ": " + formats::utf8(importer.GetErrorString()) + ".",

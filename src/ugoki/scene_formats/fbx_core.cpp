@@ -1,0 +1,333 @@
+#include "ugoki/scene_formats/fbx_core.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "ugoki/formats/text.h"
+#include "ugoki/scene_formats/fbx_tree.h"
+#include "ugoki/scene_formats/fbx_writer.h"
+
+namespace ugoki::scene_formats {
+namespace {
+
+using Names = std::initializer_list<std::string_view>;
+bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
+
+constexpr double most = 1e30;                                   ///< of a number: what comes out is looked at again
+constexpr std::int64_t most_time = 46'186'158'000 * 1'000'000;  ///< [1/46186158000 s]
+constexpr std::size_t deepest = 400;                            ///< models in models: assimp goes down by recursion
+
+enum class Kind : std::uint8_t { model, attribute, mesh, skin, cluster, stack, layer, curve_node, curve };
+
+struct Object {
+  Kind kind;
+  const FbxRecord* record;
+  std::vector<std::int64_t> times;  ///< of a curve, going up
+  std::vector<float> values;        ///< likewise
+  bool kept = true;
+};
+
+std::optional<Kind> kind_of(const FbxRecord& r) {
+  const std::string_view tag = r.text(2);
+  if (r.name == "Model" && !one_of(tag, {"IKEffector", "FKEffector"})) return Kind::model;
+  if (r.name == "NodeAttribute" && one_of(tag, {"LimbNode", "Null"})) return Kind::attribute;
+  if (r.name == "Geometry" && tag == "Mesh") return Kind::mesh;
+  if (r.name == "Deformer" && tag == "Skin") return Kind::skin;
+  if (r.name == "Deformer" && tag == "Cluster") return Kind::cluster;
+  if (r.name == "AnimationStack") return Kind::stack;
+  if (r.name == "AnimationLayer") return Kind::layer;
+  if (r.name == "AnimationCurveNode") return Kind::curve_node;
+  if (r.name == "AnimationCurve") return Kind::curve;
+  return std::nullopt;
+}
+
+/// Which connections assimp follows.
+bool may_connect(Kind from, Kind to, bool property) {
+  constexpr std::pair<Kind, Kind> plain[] = {{Kind::model, Kind::model}, {Kind::attribute, Kind::model}, {Kind::mesh, Kind::model},
+                                             {Kind::skin, Kind::mesh},   {Kind::cluster, Kind::skin},    {Kind::model, Kind::cluster},
+                                             {Kind::layer, Kind::stack}, {Kind::curve_node, Kind::layer}};
+  constexpr std::pair<Kind, Kind> to_property[] = {{Kind::curve_node, Kind::model}, {Kind::curve, Kind::curve_node}};
+  const std::pair<Kind, Kind> pair{from, to};
+  return property ? std::ranges::find(to_property, pair) != std::end(to_property) : std::ranges::find(plain, pair) != std::end(plain);
+}
+
+class Core {
+ public:
+  explicit Core(std::string_view place) : place_(place), file_(place) {}
+
+  Result<std::string> make(std::string_view bytes) {
+    if (Result<void> done = file_.load(bytes); !done) return fail(std::move(done.error()));
+    if (file_.version() < 7100)
+      return fail(ErrorCode::unsupported, place_,
+                  "It cannot be read as FBX: its version is " + std::to_string(file_.version()) + ", not 7100 or later.",
+                  "Export it again as FBX 2011 or later, or as glTF or BVH.");
+    for (const auto step : {&Core::collect_objects, &Core::collect_connections, &Core::check_tree, &Core::check_turns})
+      if (Result<void> done = (this->*step)(); !done) return fail(std::move(done.error()));
+    write();
+    return out_.take();
+  }
+
+ private:
+  struct Connection {
+    std::int64_t from, to;
+    std::string_view property;
+  };
+
+  Result<void> collect_objects() {
+    const FbxRecord* objects = file_.root().child("Objects");
+    if (!objects) return fail(ErrorCode::structure, place_, "It cannot be read as FBX: there are no objects in it.", "Export it again.");
+    for (const FbxRecord& r : objects->children) {
+      const std::optional<Kind> kind = kind_of(r);
+      if (!kind) continue;
+      if (r.values.size() < 3 || r.values[0].kind != FbxValue::Kind::number || r.values[0].whole == 0)
+        return file_.refuse(r, ErrorCode::structure, "It has no number, name and class.");
+      Object object{*kind, &r, {}, {}};
+      if (*kind == Kind::curve)
+        if (Result<void> done = read_curve(object); !done) return done;
+      if (*kind == Kind::cluster) object.kept = has_weights(r);
+      objects_.insert_or_assign(r.values[0].whole, std::move(object));  // the last one holds
+    }
+    return {};
+  }
+
+  static bool has_weights(const FbxRecord& cluster) {
+    const FbxRecord* indexes = cluster.child("Indexes");
+    if (!indexes || indexes->values.empty()) return false;
+    const FbxValue& first = indexes->values[0];
+    return first.kind == FbxValue::Kind::number || first.count > 0;
+  }
+
+  Result<void> read_curve(Object& curve) {
+    const FbxRecord *times = curve.record->child("KeyTime"), *values = curve.record->child("KeyValueFloat");
+    if (!times || !values) return file_.refuse(*curve.record, ErrorCode::structure, "It has no KeyTime or no KeyValueFloat.");
+    const Result<std::vector<std::int64_t>> t = file_.integers(*times);
+    const Result<std::vector<double>> x = file_.numbers(*values, most);
+    if (!t) return fail(t.error());
+    if (!x) return fail(x.error());
+    if (t->size() != x->size())
+      return file_.refuse(*curve.record, ErrorCode::structure,
+                          "It has " + std::to_string(t->size()) + " times, but " + std::to_string(x->size()) + " values.");
+    for (std::size_t i = 0; i < t->size(); ++i) {
+      const std::int64_t time = (*t)[i];
+      if (time < -most_time || time > most_time) return file_.refuse(*times, ErrorCode::range, "A time is beyond a million seconds.");
+      if (!curve.times.empty() && time < curve.times.back()) return file_.refuse(*times, ErrorCode::structure, "Its times do not go up.");
+      if (!curve.times.empty() && time == curve.times.back()) {  // the later of two keys holds
+        curve.values.back() = static_cast<float>((*x)[i]);
+        continue;
+      }
+      curve.times.push_back(time);
+      curve.values.push_back(static_cast<float>((*x)[i]));
+    }
+    curve.kept = !curve.times.empty();
+    return {};
+  }
+
+  Result<void> collect_connections() {
+    const FbxRecord* all = file_.root().child("Connections");
+    if (!all) return {};
+    for (const FbxRecord& r : all->children) {
+      const std::string_view how = r.text(0);
+      const bool property = how == "OP";
+      if ((how != "OO" && !property) || r.values.size() < (property ? 4u : 3u) || r.values[1].kind != FbxValue::Kind::number ||
+          r.values[2].kind != FbxValue::Kind::number)
+        continue;
+      const std::int64_t from = r.values[1].whole, to = r.values[2].whole;
+      const auto a = objects_.find(from), b = objects_.find(to);
+      if (a == objects_.end() || !a->second.kept || (to != 0 && (b == objects_.end() || !b->second.kept))) continue;
+      if (to == 0 ? a->second.kind != Kind::model || property : !may_connect(a->second.kind, b->second.kind, property)) continue;
+      if (property && r.text(3).empty()) continue;
+      connections_.push_back({from, to, property ? r.text(3) : std::string_view()});
+      if (a->second.kind == Kind::model && (to == 0 || b->second.kind == Kind::model)) below_.emplace(to, from);
+    }
+    return {};
+  }
+
+  /// Models in models: no circle, and not too many in all.
+  Result<void> check_tree() {
+    std::vector<std::pair<std::int64_t, std::size_t>> open = {{0, 0}};  // with their depth
+    for (std::size_t count = 0; !open.empty(); ++count) {
+      const auto [id, depth] = open.back();
+      open.pop_back();
+      if (depth > deepest) return file_.refuse(*objects_.at(id).record, ErrorCode::structure, "It stands below itself, or too deep.");
+      if (count > 20 * formats::max_joints)
+        return fail(ErrorCode::range, place_, "It has more than " + std::to_string(20 * formats::max_joints) + " nodes.",
+                    "Export the skeleton only.");
+      for (auto [it, end] = below_.equal_range(id); it != end; ++it) open.emplace_back(it->second, depth + 1);
+    }
+    return {};
+  }
+
+  /// Turns between keys are cut into pieces: not too many.
+  Result<void> check_turns() {
+    std::set<std::int64_t> turning;
+    for (const Connection& c : connections_)
+      if (c.property.contains("Rotation")) turning.insert(c.from);
+    for (const Connection& c : connections_) {
+      const Object& curve = objects_.at(c.from);
+      if (curve.kind != Kind::curve || !turning.contains(c.to)) continue;
+      double turns = 0;
+      for (std::size_t i = 1; i < curve.values.size(); ++i)
+        turns += std::fabs(static_cast<double>(curve.values[i]) - static_cast<double>(curve.values[i - 1])) / 360;
+      if (turns > 1e5 || std::ranges::any_of(curve.values, [](float x) { return std::fabs(x) > 1e7F; }))
+        return file_.refuse(*curve.record, ErrorCode::range, "It turns through more than 100,000 turns.");
+    }
+    return {};
+  }
+
+  void write() {
+    out_.begin("FBXHeaderExtension");
+    out_.begin("FBXVersion");
+    out_.integer(7400);
+    out_.end();
+    out_.end();
+    write_settings();
+    write_definitions();
+    out_.begin("Objects");
+    out_.scope();
+    // In the order of the file: nodes and animations come out in it.
+    for (const FbxRecord& r : file_.root().child("Objects")->children) {
+      const auto it = kind_of(r) ? objects_.find(r.values[0].whole) : objects_.end();
+      if (it != objects_.end() && it->second.record == &r && it->second.kept) write_object(it->first, it->second);
+    }
+    out_.end();
+    out_.begin("Connections");
+    out_.scope();
+    for (const Connection& c : connections_) {
+      out_.begin("C");
+      out_.text(c.property.empty() ? "OO" : "OP");
+      out_.long_integer(c.from);
+      out_.long_integer(c.to);
+      if (!c.property.empty()) out_.text(c.property);
+      out_.end();
+    }
+    out_.end();
+  }
+
+  void write_settings() {
+    const FbxRecord* settings = file_.root().child("GlobalSettings");
+    if (!settings) return;
+    out_.begin("GlobalSettings");
+    write_properties(*settings, {"UpAxis", "UpAxisSign", "FrontAxis", "FrontAxisSign", "CoordAxis", "CoordAxisSign", "UnitScaleFactor",
+                                 "OriginalUnitScaleFactor", "TimeMode", "TimeSpanStart", "TimeSpanStop", "CustomFrameRate"});
+    out_.end();
+  }
+
+  static constexpr Names model_properties = {"Lcl Translation",   "Lcl Rotation",     "Lcl Scaling",   "PreRotation",
+                                             "PostRotation",      "RotationOffset",   "RotationPivot", "ScalingOffset",
+                                             "ScalingPivot",      "RotationOrder",    "InheritType",   "GeometricTranslation",
+                                             "GeometricRotation", "GeometricScaling", "RotationActive"};
+
+  /// What models have that do not say otherwise.
+  void write_definitions() {
+    const FbxRecord* definitions = file_.root().child("Definitions");
+    if (!definitions) return;
+    for (const FbxRecord& type : definitions->children) {
+      const FbxRecord* model = type.name == "ObjectType" && type.text(0) == "Model" ? type.child("PropertyTemplate") : nullptr;
+      if (!model || model->text(0).empty()) continue;
+      out_.begin("Definitions");
+      out_.begin("ObjectType");
+      out_.text("Model");
+      out_.begin("PropertyTemplate");
+      out_.text(model->text(0));
+      write_properties(*model, model_properties);
+      out_.end();
+      out_.end();
+      out_.end();
+      return;
+    }
+  }
+
+  void write_object(std::int64_t id, const Object& object) {
+    out_.begin(object.record->name);
+    out_.long_integer(id);
+    out_.text(object.record->text(1));
+    out_.text(object.record->text(2));
+    out_.scope();
+    switch (object.kind) {
+      case Kind::model: write_properties(*object.record, model_properties); break;
+      case Kind::mesh: write_triangle(); break;
+      case Kind::cluster: write_cluster(); break;
+      case Kind::stack: write_properties(*object.record, {"LocalStart", "LocalStop", "ReferenceStart", "ReferenceStop"}); break;
+      case Kind::curve_node: write_properties(*object.record, {"d", "d|X", "d|Y", "d|Z"}); break;
+      case Kind::curve:
+        write_array("KeyTime", 'l', object.times);
+        write_array("KeyValueFloat", 'f', object.values);
+        break;
+      default: write_array("Version", 'i', std::vector<std::int32_t>{100}); break;
+    }
+    out_.end();
+  }
+
+  template <class T>
+  void write_array(std::string_view name, char type, const std::vector<T>& numbers) {
+    out_.begin(name);
+    out_.array(type, numbers);
+    out_.end();
+  }
+  /// That a mesh is there is all that counts.
+  void write_triangle() {
+    write_array("Vertices", 'd', std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0});
+    write_array("PolygonVertexIndex", 'i', std::vector<std::int32_t>{0, 1, -3});
+  }
+  void write_cluster() {
+    const std::vector<double> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    write_array("Indexes", 'i', std::vector<std::int32_t>{0});
+    write_array("Weights", 'd', std::vector<double>{1});
+    write_array("Transform", 'd', identity);
+    write_array("TransformLink", 'd', identity);
+  }
+
+  /// Those of these names that have the numbers that their type tells.
+  void write_properties(const FbxRecord& record, Names names) {
+    out_.begin("Properties70");
+    out_.scope();
+    if (const FbxRecord* all = record.child("Properties70"))
+      for (const FbxRecord& p : all->children)
+        if (p.name == "P" && one_of(p.text(0), names)) write_property(p);
+    out_.end();
+  }
+  void write_property(const FbxRecord& p) {
+    const std::string_view type = p.text(1), name = p.text(0);
+    const bool vector = one_of(type, {"Vector3D", "Vector", "Lcl Translation", "Lcl Rotation", "Lcl Scaling", "ColorRGB", "Color"});
+    const bool real = one_of(type, {"double", "Number", "float", "Float", "UnitScaleFactor"});
+    const bool whole = one_of(type, {"bool", "Bool", "int", "Int", "enum", "Enum", "Integer"}), time = type == "KTime";
+    const std::size_t count = vector ? 3 : 1;
+    if ((!vector && !real && !whole && !time) || p.values.size() < 4 + count) return;
+    for (std::size_t i = 4; i < 4 + count; ++i)
+      if (p.values[i].kind != FbxValue::Kind::number || !(std::fabs(p.values[i].number) <= most)) return;
+    const FbxValue& first = p.values[4];
+    const std::int64_t largest = time ? most_time : 1'000'000;
+    if ((whole || time) && (first.whole < -largest || first.whole > largest)) return;
+    if (name.ends_with("Axis") && (first.whole < 0 || first.whole > 2)) return;
+    if (name == "TimeMode" && (first.whole < 0 || first.whole > 14)) return;
+    if (name == "CustomFrameRate" && !(first.number > 0 && first.number <= 1e6)) return;
+    out_.begin("P");
+    for (std::size_t i = 0; i < 4; ++i) out_.text(p.text(i));
+    for (std::size_t i = 4; i < 4 + count; ++i) {
+      if (whole)
+        out_.integer(static_cast<std::int32_t>(first.whole));
+      else if (time)
+        out_.long_integer(first.whole);
+      else
+        out_.number(p.values[i].number);
+    }
+    out_.end();
+  }
+
+  std::string place_;
+  FbxFile file_;
+  std::map<std::int64_t, Object> objects_;
+  std::vector<Connection> connections_;
+  std::multimap<std::int64_t, std::int64_t> below_;  ///< models in models
+  FbxWriter out_;
+};
+
+}  // namespace
+
+Result<std::string> fbx_core(std::span<const std::byte> bytes, std::string_view place) {
+  return Core(place).make({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace ugoki::scene_formats
