@@ -160,8 +160,8 @@ class Interpreter {
   Adoption adopt_report(Interpreter& other);
 
   /// Starts counting at zero. Null: off.
-  /// @param one_in how many ticks go to one whose LSIs are timed. 1: each tick. A look at the clock costs more than a small LSI; of one tick
-  ///   in four (spread so that LSIs that run at every n-th tick are met as often as all others) the means are the same.
+  /// @param one_in how many ticks go to one whose LSIs are timed. 1: each tick. A look at the clock costs more than a small LSI; of
+  ///   one tick in four (spread so that LSIs that run at every n-th tick are met as often as all others) the means are the same.
   void set_timing(Clock clock, std::uint32_t one_in = 1);
   /// Ticks whose LSIs were timed since then.
   [[nodiscard]] std::uint64_t timed_ticks() const;

@@ -2,6 +2,7 @@
 // Measured data before it has a skeleton: markers in space over time, and what was recorded beside them.
 // All in metres, seconds, Z up, X forward.
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -53,7 +54,7 @@ struct MarkerMotion {
 
   [[nodiscard]] int marker_count() const { return static_cast<int>(labels.size()); }
   [[nodiscard]] double duration() const { return frames > 1 ? (frames - 1) / rate : 0; }
-  [[nodiscard]] int samples_per_frame() const { return analog.empty() ? 0 : static_cast<int>(analog_rate / rate + 0.5); }
+  [[nodiscard]] int samples_per_frame() const { return analog.empty() ? 0 : static_cast<int>(std::lround(analog_rate / rate)); }
   [[nodiscard]] bool seen(int frame, int marker) const { return residuals[index(frame, marker)] >= 0; }
   [[nodiscard]] const Vec3& at(int frame, int marker) const { return positions[index(frame, marker)]; }
   [[nodiscard]] std::size_t index(int frame, int marker) const {

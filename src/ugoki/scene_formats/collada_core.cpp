@@ -242,6 +242,7 @@ class Core {
       if (*x > 0) used.insert(static_cast<std::size_t>(*joint));
     }
     std::vector<std::string> out;
+    out.reserve(used.size());
     for (const std::size_t joint : used) out.emplace_back(names->word(joint, 0));
     return out;
   }
