@@ -122,7 +122,7 @@ class Search {
       if (Result<void> counted = count_all(out); !counted) return fail(std::move(counted.error()));
     Crowd crowd = after ? after->crowd : Crowd::few;
     if (by_index_ && crowd == Crowd::few) {
-      const Result<std::size_t> total = count_matches(false);
+      const Result<std::size_t> total = count_matches(Among::all);
       if (!total) return fail(total.error());
       out.total = std::min(*total, body_.few);
       crowd = *total > sorted_at_most() ? Crowd::most : *total > body_.few ? Crowd::many : Crowd::few;
@@ -131,7 +131,7 @@ class Search {
       out.total = body_.few;
       out.total_exact = false;
     }
-    Result<std::vector<Hit>> hits = by_index_ && crowd != Crowd::most ? sorted(after, false) : walk(after);
+    Result<std::vector<Hit>> hits = by_index_ && crowd != Crowd::most ? sorted(after, Among::all) : walk(after);
     if (!hits) return fail(std::move(hits.error()));
     if (hits->size() > query_.limit) {
       hits->resize(query_.limit);
@@ -151,6 +151,7 @@ class Search {
   }
 
  private:
+  enum class Among : std::uint8_t { all, named, unnamed };  ///< all that fit, those with the text in their name, the others
   struct Hit {
     Position position;
     EntryRow row;
@@ -159,13 +160,15 @@ class Search {
   [[nodiscard]] const Dialect& dialect() const { return connection().dialect(); }
 
   /// The entries that fit, by the index of words, as `hit`.
-  [[nodiscard]] std::string match(Sql& sql, bool in_name) const {
+  [[nodiscard]] std::string match(Sql& sql, Among among) const {
+    const bool in_name = among == Among::named;
     const std::vector<std::string>& kinds = query_.kinds;
     const auto with = [&](std::string text, std::string query) {
       return text.replace(text.find("{query}"), 7, sql.parameter(std::move(query)));
     };
     if (!dialect().postgres) return with(dialect().match, phrases_.fts5(in_name, tags_, kinds));
-    std::string out = with(dialect().match, phrases_.tsquery(in_name, tags_, kinds, false));
+    const std::string others = among == Among::unnamed ? " & !(" + phrases_.tsquery(true, {}, {}, false) + ")" : "";
+    std::string out = with(dialect().match, phrases_.tsquery(in_name, tags_, kinds, false) + others);
     if (phrases_.any_in_a_row()) out += with(dialect().in_a_row, phrases_.tsquery(in_name, {}, {}, true));
     return out;
   }
@@ -174,9 +177,9 @@ class Search {
     return body_.few * static_cast<std::size_t>(phrases_.any_in_a_row() ? 1 : dialect().sorts);
   }
   /// How many they are, at most one more than are sorted.
-  Result<std::size_t> count_matches(bool in_name) const {
+  Result<std::size_t> count_matches(Among among) const {
     Sql sql;
-    const std::string select = match(sql, in_name);
+    const std::string select = match(sql, among);
     const Result<Rows> rows = connection().query(
         "SELECT count(*) FROM (SELECT 1 FROM (" + select + ") x LIMIT " + std::to_string(sorted_at_most() + 1) + ") y", sql.values);
     if (!rows) return fail(rows.error());
@@ -229,13 +232,14 @@ class Search {
   }
 
   /// What the index of words gives, sorted. Only what is compared is sorted; the rows of the page are fetched afterwards.
-  /// @param names only part 1: those with the text in their name, which does not begin with it
+  /// @param among all: all parts; otherwise only part 1 (the text is in the name, which does not begin with it), or only part 2
   /// @return a page, and one more if there is
-  Result<std::vector<Hit>> sorted(const std::optional<Position>& after, bool names) const {
+  Result<std::vector<Hit>> sorted(const std::optional<Position>& after, Among among) const {
     Sql sql;
-    sql.text = "WITH hit AS " + std::string(dialect().postgres ? "NOT " : "") + "MATERIALIZED (" + match(sql, names) + ") ";
-    std::string part = names ? "1" : "0";
-    if (by_relevance_ && !names) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
+    const bool names = among == Among::named;
+    sql.text = "WITH hit AS " + std::string(dialect().postgres ? "NOT " : "") + "MATERIALIZED (" + match(sql, among) + ") ";
+    std::string part = names ? "1" : among == Among::unnamed ? "2" : "0";
+    if (by_relevance_ && among == Among::all) part = "CASE WHEN " + begins(sql) + " THEN 0 WHEN " + in_name(sql) + " THEN 1 ELSE 2 END";
     const Column column = column_of(query_.order);
     const std::string narrow = "SELECT e.no, e.id, " + std::string(column.name) + " AS key, " + part + " AS part FROM " + dialect().hits +
                                (names ? " WHERE NOT " + begins(sql) : "");
@@ -263,16 +267,20 @@ class Search {
     for (int part = after ? after->part : 0; part < (by_relevance_ ? relevance_parts : 1) && all.size() <= query_.limit; ++part) {
       const std::optional<Position> from = after && part == after->part ? after : std::nullopt;
       Result<std::size_t> by_name = sorted_at_most() + 1;
-      if (part == 1) by_name = count_matches(true);  // many fit, but perhaps few by their name alone
+      if (part == 1) by_name = count_matches(Among::named);  // many fit, but perhaps few by their name alone
       if (!by_name) return fail(std::move(by_name.error()));
       Result<std::vector<Hit>> hits;
       if (*by_name <= sorted_at_most()) {
-        hits = sorted(from, true);
+        hits = sorted(from, Among::named);
         if (!hits) return hits;
       } else {
         const Result<bool> done = walk_kinds(part, from, query_.limit + 1 - all.size(), *hits);
         if (!done) return fail(done.error());
-        if (!*done) return sorted(after, false);
+        // The index of PostgreSQL knows what is in no name, unless words must stand in a row.
+        const bool rest = by_relevance_ && part == 2 && dialect().postgres && !phrases_.any_in_a_row();
+        if (!*done && !rest) return sorted(after, Among::all);
+        if (!*done) hits = sorted(from, Among::unnamed);
+        if (!hits) return hits;
       }
       const std::size_t room = std::min(hits->size(), query_.limit + 1 - all.size());
       std::move(hits->begin(), hits->begin() + static_cast<std::ptrdiff_t>(room), std::back_inserter(all));
