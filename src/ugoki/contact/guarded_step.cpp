@@ -248,7 +248,8 @@ StepReport GuardedStep::take_apart(std::span<StepSystem> systems, std::span<cons
       return report;
     }
     const double safe = find_passage(systems, h);
-    if ((safe < h || depth_ > too_deep) && length > 1 && takes < most_takes) {
+    const bool deep = depth_ > too_deep && length > units / 8;  // what is wedged in stays deep however short the parts
+    if ((deep || (safe < h && length > 1)) && takes < most_takes) {
       begin_.restore(systems);
       length /= 2;
       continue;
