@@ -87,6 +87,14 @@ struct Errors {
   double momentum = 0, energy = 0, approach = 0;
 };
 
+/// J, link by link: v^T M v of very unequal masses has a rounding of its own.
+double energy_of(Party& party) {
+  party.update();
+  double sum = 0;
+  for (std::size_t s = 0; s < party.mechanisms.size(); ++s) sum += dynamics::kinetic_energy(*party.mechanisms[s], *party.workspaces[s]);
+  return sum;
+}
+
 Errors collide(unsigned seed, Kind kind_a, Kind kind_b, double e) {
   RandomSource random(seed);
   Party party;
@@ -97,14 +105,14 @@ Errors collide(unsigned seed, Kind kind_a, Kind kind_b, double e) {
   for (int i = random.below(6); i >= 0; --i)
     contacts.push_back(between(0, random.below(party.mechanisms[0]->link_count()), 1, random.below(party.mechanisms[1]->link_count()),
                                random.vec(1), random.direction(), e));
-  const double energy = party.energy();
+  const double energy = energy_of(party);
   const Vec6 momentum = party.momentum();
   const ImpactReport report = party.collide(contacts, {0, 0, e == 0});
   EXPECT_NE(report.status, ImpactStatus::singular) << "seed " << seed;  // a light system between heavy ones may bounce for ever
   const Vec6 change = party.momentum() - momentum;
   Errors out;
   out.momentum = (norm(change.v) + norm(change.w)) / (1 + norm(momentum.v) + norm(momentum.w) + energy);
-  out.energy = (party.energy() - energy) / energy;
+  out.energy = (energy_of(party) - energy) / energy;
   for (const ContactPoint& c : contacts) out.approach = std::max(out.approach, party.approach(c) / (1 + std::sqrt(energy)));
   return out;
 }
