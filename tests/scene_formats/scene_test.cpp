@@ -332,7 +332,8 @@ TEST(Scene, BinaryFbxThatDoesNotLieWithinItselfIsRefused) {
   EXPECT_NE(told(binary_fbx(1, 0, 8, 69)).find("byte"), std::string::npos);
   EXPECT_NE(told(binary_fbx(1, 0, 9, 68)).find("longer than its record"), std::string::npos);
   EXPECT_NE(told(binary_fbx(1, 0, 8, 900)).find("does not lie within"), std::string::npos);
-  EXPECT_NE(told(binary_fbx(1, 0, 8, 5)).find("does not lie within"), std::string::npos);
+  for (const std::uint32_t end : {5u, 28u, 39u, 46u})
+    EXPECT_NE(told(binary_fbx(1, 0, 8, end)).find("does not lie within"), std::string::npos) << end;
   EXPECT_NE(told(binary_fbx(1, 0, 8, 68).substr(0, 35)).find("cut off"), std::string::npos);
 }
 

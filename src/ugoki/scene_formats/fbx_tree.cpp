@@ -49,7 +49,7 @@ class BinaryReader {
       const std::size_t record_end = size_at(at), count = size_at(at + head / 3), length = size_at(at + 2 * (head / 3));
       const std::size_t name = static_cast<unsigned char>(bytes_[at + head - 1]), first = at + head;
       if (record_end == 0) return true;
-      if (record_end > end || record_end <= at || name > record_end - first || length > record_end - first - name)
+      if (record_end > end || record_end < first || name > record_end - first || length > record_end - first - name)
         return stop(at, "A record does not lie within the one around it.");
       FbxRecord record;
       record.name = bytes_.substr(first, name);
