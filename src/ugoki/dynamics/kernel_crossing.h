@@ -118,7 +118,7 @@ UGOKI_INLINE T with_sign(const NodeOrder& o, const NodeConstants<Constant>& c, T
   else
     return x * T(c.sign);
 }
-/// f(k, x[k]), k a constant, of the axes that are present.
+/// f(k, x[k]) for the axes k that are present; k is known to the compiler.
 template <class T, class Constant, class F>
 UGOKI_INLINE void for_axes(Axes present, const Constant* x, F&& f) {
   if ((present & 1) != 0) f(std::integral_constant<int, 0>{}, T(x[0]));
@@ -151,17 +151,16 @@ UGOKI_INLINE T& entry(Mat3T<T>& m) {
   if constexpr (i == 2) return j == 0 ? m.zx : j == 1 ? m.zy : m.zz;
 }
 
-/// out + x e_k x v
+/// out <- out + x (e_k x v)
 template <int k, class T>
 UGOKI_INLINE void add_cross(V3<T>& out, T x, const V3<T>& v) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
   entry<i>(out) -= x * entry<j>(v);
   entry<j>(out) += x * entry<i>(v);
 }
-// All three at once where none is zero: shorter chains of sums.
-constexpr Axes all_axes = 7;
+constexpr Axes all_axes = 7;  // taken at once: their sums wait less for each other than axis by axis
 
-/// out + c x v, c a constant
+/// out <- out + c x v
 template <class T, class Constant>
 UGOKI_INLINE void add_cross(V3<T>& out, Axes present, const Constant* c, const V3<T>& v) {
   if (present == all_axes)
@@ -169,7 +168,7 @@ UGOKI_INLINE void add_cross(V3<T>& out, Axes present, const Constant* c, const V
   else
     for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, x, v); });
 }
-/// out + v x c
+/// out <- out + v x c
 template <class T, class Constant>
 UGOKI_INLINE void subtract_cross(V3<T>& out, Axes present, const Constant* c, const V3<T>& v) {
   if (present == all_axes)
@@ -177,7 +176,7 @@ UGOKI_INLINE void subtract_cross(V3<T>& out, Axes present, const Constant* c, co
   else
     for_axes<T>(present, c, [&](auto k, T x) { add_cross<k>(out, -x, v); });
 }
-/// out + A c
+/// out <- out + A c
 template <class T, class Constant>
 UGOKI_INLINE void add_product(V3<T>& out, const Mat3T<T>& A, Axes present, const Constant* c) {
   if (present == all_axes)
@@ -188,7 +187,7 @@ UGOKI_INLINE void add_product(V3<T>& out, const Mat3T<T>& A, Axes present, const
     });
 }
 
-/// w x (w x x e_k)
+/// w x (w x (x e_k))
 template <int k, class T>
 UGOKI_INLINE V3<T> centripetal(const V3<T>& w, T x) {
   constexpr int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -199,7 +198,7 @@ UGOKI_INLINE V3<T> centripetal(const V3<T>& w, T x) {
   entry<k>(out) = -(x * (a * a + b * b));
   return out;
 }
-/// w x (w x c), c a constant that is not zero
+/// w x (w x c) of a c that is not zero
 template <class T, class Constant>
 UGOKI_INLINE V3<T> centripetal(const V3<T>& w, Axes present, const Constant* c) {
   switch (present) {
