@@ -101,6 +101,7 @@ TEST_F(PostgresTest, AnOlderLibraryIsBroughtUpToDate) {
     Result<Library> library = Library::open(place_);
     ASSERT_TRUE(library) << library.error().text();
     EXPECT_EQ(names_of(library->find({.text = "walk", .order = LibraryOrder::longest})), (std::vector<std::string>{"walk far", "walk"}));
+    EXPECT_EQ(names_of(library->find({.text = "walk_far"})), std::vector<std::string>{"walk far"}) << "words in a row";
     EXPECT_TRUE(library->check(false)->problems.empty());
     EXPECT_TRUE(Library::open_read_only(place_));
     EXPECT_EQ(server_->psql("UPDATE ugoki.entry_order SET duration_ms = 1"), "");

@@ -158,7 +158,13 @@ TEST(SearchOnBothTest, BothDatabasesAndAPlainComparisonGiveTheSame) {
   Result<Library> in_order = Library::open(lite->path()), team_in_order = Library::open(team->path());
   ASSERT_TRUE(in_order && team_in_order);
   body_of(*in_order).few = body_of(*team_in_order).few = 5;  // reads in order what the others find and sort
-  const char* texts[] = {"", "wa", "walk", "walk slow", "歩行", "歩", "02_01", "\"02 01\"", "le tu", "motion", "x"};
+  const char* texts[] = {"",         "wa",
+                         "walk",     "walk slow",
+                         "歩行",     "歩",
+                         "02_01",    "\"02 01\"",
+                         "le tu",    "motion",
+                         "x",        "\"walk slow walk\"",
+                         "02_01_02", "\"02 01\" walk"};
   const Words kinds[] = {{}, {"motion"}, {"mechanism", "set"}};
   const Words tags[] = {{}, {"walk"}, {"02", "歩行"}};
   constexpr LibraryOrder orders[] = {LibraryOrder::relevance, LibraryOrder::name, LibraryOrder::longest};

@@ -59,7 +59,7 @@ struct Dialect {
   std::string now;    ///< expression: UTC now, "2026-03-01T12:00:00.123Z"
   std::string instr;  ///< function: where the second text stands in the first, 0 if nowhere
   std::string match;  ///< SELECT of the entries (as `no`) whose words match the next parameter, which replaces {query}
-  /// Condition of `match` where words must stand in a row, again with {query}: the index of PostgreSQL only tells that they are there.
+  /// Condition of `match` where three words or more must stand in a row, again with {query}: the index of PostgreSQL only knows pairs.
   std::string in_a_row;
   std::string hits;    ///< FROM of the result `hit` of that: no, id and what is sorted by, as columns of `e`
   int sorts = 1;       ///< so many times `few` entries are sorted faster than others are read in order

@@ -91,11 +91,19 @@ CREATE FUNCTION ugoki.terms_of(no bigint) RETURNS tsvector LANGUAGE sql IMMUTABL
 CREATE INDEX entry_order_terms ON entry_order USING gin (terms_of(entry)) WITH (fastupdate = off);  -- every search would read the list of what is new
 )";
 constexpr const char* postgres_version = "CREATE TABLE library (version bigint NOT NULL); INSERT INTO library VALUES (4);";
-/// Version 2 had nothing but the words in entry_text, version 3 what is sorted by beside them.
+/// Version 2 had nothing but the words in entry_text, version 3 what is sorted by beside them; neither had pairs of words (words.h).
 constexpr const char* postgres_before_4 =
     "CREATE TEMP TABLE old_text ON COMMIT DROP AS SELECT entry, terms FROM entry_text; DROP TABLE entry_text;";
 constexpr const char* postgres_after_3 = R"(
-INSERT INTO entry_text (entry, terms) SELECT entry, terms FROM old_text ORDER BY entry;
+INSERT INTO entry_text (entry, terms)
+  SELECT o.entry, o.terms || coalesce((
+    SELECT array_to_tsvector(array_agg(DISTINCT pair.mark)) FROM (
+      SELECT E'\uE001' || side.mark || word || ' ' || next AS mark
+        FROM (VALUES ('p', btrim(e.words)), ('q', e.name_key)) side (mark, words),
+             LATERAL (SELECT word, lead(word) OVER (ORDER BY place) AS next
+                        FROM unnest(string_to_array(side.words, ' ')) WITH ORDINALITY part (word, place)) two
+        WHERE next IS NOT NULL AND word <> E'\uE000' AND next <> E'\uE000') pair), ''::tsvector)
+  FROM old_text o JOIN entry e ON e.no = o.entry ORDER BY o.entry;
 INSERT INTO entry_order (entry, duration_ms, id, name_key, changed)
   SELECT e.no, e.duration_ms, e.id, e.name_key, e.changed FROM entry_text t JOIN entry e ON e.no = t.entry ORDER BY e.no;
 UPDATE library SET version = 4;

@@ -169,12 +169,12 @@ class Search {
     if (!dialect().postgres) return with(dialect().match, phrases_.fts5(in_name, tags_, kinds));
     const std::string others = among == Among::unnamed ? " & !(" + phrases_.tsquery(true, {}, {}, false) + ")" : "";
     std::string out = with(dialect().match, phrases_.tsquery(in_name, tags_, kinds, false) + others);
-    if (phrases_.any_in_a_row()) out += with(dialect().in_a_row, phrases_.tsquery(in_name, {}, {}, true));
+    if (phrases_.any_longer_than_pairs()) out += with(dialect().in_a_row, phrases_.tsquery(in_name, {}, {}, true));
     return out;
   }
   /// More than so many are read in order. What the index does not know for sure is dearer.
   [[nodiscard]] std::size_t sorted_at_most() const {
-    return body_.few * static_cast<std::size_t>(phrases_.any_in_a_row() ? 1 : dialect().sorts);
+    return body_.few * static_cast<std::size_t>(phrases_.any_longer_than_pairs() ? 1 : dialect().sorts);
   }
   /// How many they are, at most one more than are sorted.
   Result<std::size_t> count_matches(Among among) const {
@@ -276,8 +276,8 @@ class Search {
       } else {
         const Result<bool> done = walk_kinds(part, from, query_.limit + 1 - all.size(), *hits);
         if (!done) return fail(done.error());
-        // The index of PostgreSQL knows what is in no name, unless words must stand in a row.
-        const bool rest = by_relevance_ && part == 2 && dialect().postgres && !phrases_.any_in_a_row();
+        // The index of PostgreSQL knows what is in no name, unless three words must stand in a row.
+        const bool rest = by_relevance_ && part == 2 && dialect().postgres && !phrases_.any_longer_than_pairs();
         if (!*done && !rest) return sorted(after, Among::all);
         if (!*done) hits = sorted(from, Among::unnamed);
         if (!hits) return hits;

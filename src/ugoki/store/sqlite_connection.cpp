@@ -15,7 +15,7 @@ const Dialect sqlite_dialect = {
     .in_a_row = "",
     .hits = "hit h CROSS JOIN entry e ON e.no = h.no",
     .sorts = 1,
-    .walks = 1.0 / 2,
+    .walks = 1.0 / 8,
     .update = "",
 };
 

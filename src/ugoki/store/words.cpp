@@ -145,6 +145,10 @@ std::string tag_mark(std::string_view tag) { return std::string(filter_mark) + "
 
 std::string name_mark(std::string_view word) { return std::string(filter_mark) + "n" + std::string(word); }
 
+std::string pair_mark(bool of_name, std::string_view first, std::string_view second) {
+  return std::string(filter_mark) + (of_name ? "q" : "p") + std::string(first) + " " + std::string(second);
+}
+
 std::string SearchText::tsvector() const {
   std::string out;
   std::size_t position = 0;
@@ -155,6 +159,13 @@ std::string SearchText::tsvector() const {
   add(name);
   add(other);
   add(marks);
+  const auto add_pairs = [&](const std::vector<std::string>& words, bool of_name) {
+    for (std::size_t i = 1; i < words.size(); ++i)
+      if (words[i - 1] != field_mark && words[i] != field_mark) out += quoted(pair_mark(of_name, words[i - 1], words[i])) + " ";
+  };
+  add_pairs(name, false);
+  add_pairs(other, false);
+  add_pairs(name, true);
   return out;
 }
 
@@ -180,12 +191,11 @@ std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>&
   std::string all;
   for (const std::vector<std::string>& phrase : phrases) {
     all += all.empty() ? "(" : " & (";
-    for (std::size_t i = 0; i < phrase.size(); ++i)
-      all += (i == 0     ? ""
-              : in_a_row ? " <-> "
-                         : " & ") +
-             quoted(in_name ? name_mark(phrase[i]) : phrase[i]) + (i + 1 == phrase.size() ? ":*" : "");
-    all += ")";
+    const bool by_pairs = !in_a_row && phrase.size() > 1;
+    for (std::size_t i = by_pairs ? 1 : 0; i < phrase.size(); ++i) {
+      const std::string mark = by_pairs ? pair_mark(in_name, phrase[i - 1], phrase[i]) : in_name ? name_mark(phrase[i]) : phrase[i];
+      all += quoted(mark) + (i + 1 == phrase.size() ? ":*)" : in_a_row ? " <-> " : " & ");
+    }
   }
   for (const std::string& tag : tags) all += (all.empty() ? "" : " & ") + quoted(tag_mark(tag));
   std::string any;
@@ -194,8 +204,8 @@ std::string SearchPhrases::tsquery(bool in_name, const std::vector<std::string>&
   return all;
 }
 
-bool SearchPhrases::any_in_a_row() const {
-  return std::ranges::any_of(phrases, [](const std::vector<std::string>& phrase) { return phrase.size() > 1; });
+bool SearchPhrases::any_longer_than_pairs() const {
+  return std::ranges::any_of(phrases, [](const std::vector<std::string>& phrase) { return phrase.size() > 2; });
 }
 
 SearchPhrases search_phrases(std::string_view text) {

@@ -42,6 +42,9 @@ struct SearchText {
 /// A word of a name: searching names alone then costs what their words cost, not what all texts cost.
 [[nodiscard]] std::string name_mark(std::string_view word);
 
+/// Two words in a row, somewhere or in the name. PostgreSQL's index knows no places; with these it knows what stands in a row.
+[[nodiscard]] std::string pair_mark(bool of_name, std::string_view first, std::string_view second);
+
 /// What somebody looks for: all of the phrases; each is words in a row, of which the last may go on.
 struct SearchPhrases {
   bool nothing = false;  ///< there is a text, but no word in it: nothing can be found
@@ -53,10 +56,10 @@ struct SearchPhrases {
   [[nodiscard]] std::string in_words(std::size_t phrase) const;
   /// As a query of the index: all of the phrases, of the name only if `in_name`, all of `tags`, one of `kinds` (none: any).
   [[nodiscard]] std::string fts5(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds) const;
-  /// @param in_a_row the words of a phrase stand in a row; otherwise they are only all there
+  /// @param in_a_row the words of a phrase stand in a row; otherwise each two that follow each other do, somewhere
   [[nodiscard]] std::string tsquery(bool in_name, const std::vector<std::string>& tags, const std::vector<std::string>& kinds,
                                     bool in_a_row) const;
-  [[nodiscard]] bool any_in_a_row() const;  ///< a phrase of several words
+  [[nodiscard]] bool any_longer_than_pairs() const;  ///< a phrase of three words or more
 };
 /// Words of `text` are separated by blanks; "..." holds several together.
 [[nodiscard]] SearchPhrases search_phrases(std::string_view text);
