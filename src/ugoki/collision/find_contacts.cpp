@@ -218,7 +218,7 @@ void begin_from(const Scene& scene, std::span<const std::span<const Pose>> X_WB,
     const std::uint64_t a = c.key >> 44, b = (c.key >> 24) & ground_index, key = make_key(a, b, 1);
     if (b == ground_index || key == last) continue;
     last = key;
-    const SceneShape &sa = scene.shapes()[a], &sb = scene.shapes()[b];
+    const SceneShape &sa = scene.shapes()[static_cast<std::size_t>(a)], &sb = scene.shapes()[static_cast<std::size_t>(b)];
     if ((is_simple(sa.shape.type) && is_simple(sb.shape.type)) || !sa.convex || !sb.convex) continue;
     const Pose& X = X_WB[static_cast<std::size_t>(sa.system)][static_cast<std::size_t>(sa.link)];
     work.pairs.at(key).n = transpose_times(sa.shape.X_BS.R, transpose_times(X.R, c.n));
