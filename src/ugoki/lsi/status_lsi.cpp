@@ -26,8 +26,8 @@ std::int32_t init(const Call* call) {
   const World& world = *static_cast<const World*>(call->object);
   double* state = circuit::output(call, 0);
   for (const Character& c : world.characters()) {
-    std::memcpy(q_of(c, state).data(), c.q0.data(), c.q0.size() * sizeof(double));
-    if (!c.v0.empty()) std::memcpy(v_of(c, state).data(), c.v0.data(), c.v0.size() * sizeof(double));
+    std::ranges::copy(c.q0, q_of(c, state).begin());  // none of what is fixed to the world
+    std::ranges::copy(c.v0, v_of(c, state).begin());
   }
   return 0;
 }
