@@ -52,19 +52,6 @@ int side_of(Fast& f, std::size_t s, std::size_t plate, double half) {
   return at.x < 0 ? -1 : 1;
 }
 
-MechanismPtr hinged_sword(double thick) {
-  MechanismSpec spec;
-  spec.name = "sword";
-  LinkSpec l;
-  l.name = "blade";
-  l.joint.type = JointType::revolute;
-  l.joint.axis = {0, 0, 1};
-  l.shapes.push_back(Shape::box({0.6, thick / 2, 0.02}, {Mat3::identity(), {0.7, 0, 0}}));
-  l.inertia = solid_inertia(l.shapes[0], 7800);
-  spec.links.push_back(l);
-  return Mechanism::make(std::move(spec)).value();
-}
-
 int balls_through_free_plates(std::span<const double> speeds, std::span<const double> thick, std::span<const double> steps, int& cases,
                               int& checked) {
   int passed = 0;
@@ -171,7 +158,7 @@ TEST(Passage, SwordsDoNotPassFreeBodies) {
           for (int shape = 0; shape < 4; ++shape) {
             const Shape shapes[] = {Shape::cylinder(0.004, 0.3), Shape::sphere(0.03), Shape::box({0.2, 0.002, 0.2}),
                                     Shape::box({0.002, 0.1, 0.2})};
-            Fast f({hinged_sword(0.001), body("target", shapes[shape], density)});
+            Fast f({sword(0.001), body("target", shapes[shape], density)});
             put(f.w.states[1], {0.9 * std::cos(angle), 0.9 * std::sin(angle), 0});
             const Quat turn = exp_map({0, 0, angle});
             f.w.states[1].q[3] = turn.w;

@@ -125,20 +125,6 @@ TEST(Swept, TwoFastBallsMeetAsInTheClosedForm) {
   EXPECT_NEAR(w.states[2].v[5], 400, 1e-9);
 }
 
-/// A blade of 1.3 m on a hinge at the origin, `thick` thin.
-MechanismPtr sword(double thick) {
-  MechanismSpec spec;
-  spec.name = "sword";
-  LinkSpec l;
-  l.name = "blade";
-  l.joint.type = JointType::revolute;
-  l.joint.axis = {0, 0, 1};
-  l.shapes.push_back(Shape::box({0.6, thick / 2, 0.02}, {Mat3::identity(), {0.7, 0, 0}}));
-  l.inertia = solid_inertia(l.shapes[0], 7800);
-  spec.links.push_back(l);
-  return Mechanism::make(std::move(spec)).value();
-}
-
 /// Also where it turns by more than a right angle in a step.
 TEST(Swept, ASwordDoesNotPassAPoleABallOrAPlate) {
   for (const double speed : {5.0, 20.0, 60.0, 150.0}) {

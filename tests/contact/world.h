@@ -23,6 +23,20 @@ inline MechanismPtr body(const std::string& name, const Shape& shape, double den
   return Mechanism::make(std::move(spec)).value();
 }
 
+/// A blade of 1.2 m on a hinge at the origin, `thick` [m] thin.
+inline MechanismPtr sword(double thick) {
+  MechanismSpec spec;
+  spec.name = "sword";
+  LinkSpec l;
+  l.name = "blade";
+  l.joint.type = JointType::revolute;
+  l.joint.axis = {0, 0, 1};
+  l.shapes.push_back(Shape::box({0.6, thick / 2, 0.02}, {Mat3::identity(), {0.7, 0, 0}}));
+  l.inertia = solid_inertia(l.shapes[0], 7800);
+  spec.links.push_back(l);
+  return Mechanism::make(std::move(spec)).value();
+}
+
 inline void put(State& s, const Vec3& p) {
   s.q[0] = p.x;
   s.q[1] = p.y;
