@@ -40,6 +40,8 @@ enum class NodeWanted : char { nothing, passage, rotation, motion };
 
 struct ClosedArguments {
   double dependent;  ///< dependent_row
+  double immobile;   ///< immobile_row
+  double length2;    ///< m^2: the mechanism's length, squared
   const ClosedStructure::Entry* entries;
   const ClosedStructure::Node* nodes;
   const ClosedStructure::Present* present;
@@ -49,7 +51,8 @@ struct ClosedArguments {
   const ClosedStructure::Update* updates;
   const ClosedStructure::Gear* gears;
   int entry_count, block_count;
-  const double* slope;  ///< [loops] of gears
+  const double* slope;    ///< [loops] of gears
+  const double* turning;  ///< [nodes] 1 where freedoms turn, 1 / length2 where they slide
   const LoopPaths* paths;
   const TwinArguments* twins;  ///< of calls by paths; null: none
 
@@ -64,6 +67,7 @@ struct ClosedArguments {
   LoopLanes* s;        ///< [s_slots], or [places] of paths
   LoopLanes* t;        ///< [places] s / D
   LoopLanes* reduced;  ///< [entries]
+  double* moved;       ///< 1/(kg m^2) [entries] sum of 1 / D over the freedoms on the loop's way, sliding ones at the mechanism's length
   LoopBlock* Lambda;   ///< [blocks]
   LoopBlock* Y;        ///< [neighbours]
   LoopFactor* factor;  ///< [entries]

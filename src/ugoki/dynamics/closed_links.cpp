@@ -11,9 +11,6 @@
 namespace ugoki::dynamics {
 namespace {
 
-/// A row that no joint moves by more than this part of what its directions might (its square) is rounding: planar chains and their axes.
-constexpr double immobile = 1e-24;
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 ArticulatedInertia articulated(const Inertia& r) { return {r.I, Mat3::skew(r.h), {r.mass, r.mass, r.mass, 0, 0, 0}}; }
@@ -232,7 +229,8 @@ class ClosedSolver {
         if (gear.freedom == f) s[place_of(n, gear.place)] -= gear.second ? -c_.rows_.slope[at(gear.loop)] : 1.0;
       }
       for_passing_multipliers(n, [&](int g, int row) {
-        c_.terms_[at(g)] += d * (dot(S.w, S.w) * dot(P[row].w, P[row].w) + dot(S.v, S.v) * dot(P[row].v, P[row].v));
+        const double f2 = dot(P[row].v, P[row].v), arm2 = c_.length_ * c_.length_;
+        c_.terms_[at(g)] += d * (dot(S.w, S.w) * (dot(P[row].w, P[row].w) + arm2 * f2) + dot(S.v, S.v) * f2);
       });
       for (int k = 0; k < n.passing_rows; ++k) P[k] -= U * (d * s[k]);
       for (int k = n.pairs; k < n.pairs + n.pair_count; ++k) {
@@ -267,7 +265,7 @@ class ClosedSolver {
       int best = k;
       const auto part = [&](int i) {
         const double scale = greatest[order[i] < e.position_rows ? 0 : 1];
-        return diagonal[order[i]] > immobile * c_.terms_[at(e.first + order[i])] ? diagonal[order[i]] / scale : 0.0;
+        return diagonal[order[i]] > immobile_row * c_.terms_[at(e.first + order[i])] ? diagonal[order[i]] / scale : 0.0;
       };
       for (int i = k + 1; i < r; ++i)
         if (part(i) > part(best)) best = i;
@@ -416,6 +414,19 @@ std::vector<char> closed_at_start(const Mechanism& m) {
   return closed;
 }
 
+/// m: the greatest of the distances between joints and of what bodies and loops reach from them.
+double length_of(const Mechanism& m, std::span<const Loop> loops) {
+  double most = 0;
+  for (const Link& link : m.links()) {
+    const Inertia& body = link.inertia;
+    most = std::max(most, norm(link.joint.X_PJ.p));
+    if (body.mass > 0) most = std::max(most, std::sqrt(0.5 * (body.I.xx + body.I.yy + body.I.zz) / body.mass));
+  }
+  for (const Loop& loop : loops)
+    if (loop.type != LoopType::gear) most = std::max({most, loop.link_a < 0 ? 0.0 : norm(loop.X_AJ.p), norm(loop.X_BJ.p)});
+  return most > 0 ? most : 1;
+}
+
 }  // namespace
 
 ClosedLinks::ClosedLinks(const Mechanism& m) : ClosedLinks(m, {m.loops().begin(), m.loops().end()}, closed_at_start(m)) {}
@@ -425,6 +436,7 @@ ClosedLinks::ClosedLinks(const Mechanism& m, std::vector<Loop> loops, std::span<
   const ClosedStructure& x = over_links_;
   const std::size_t n = x.row.size();
   share_inertias(m);
+  length_ = length_of(m, loops_);
   I_.resize(m.links().size());
   P_.resize(at(x.present_rows));
   s_.resize(at(x.s_rows));

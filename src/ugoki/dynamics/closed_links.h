@@ -29,6 +29,10 @@ struct InertiaShare {
 /// A pivot below this part of the greatest of the loop's rows of its kind is rounding: the row follows from others. The condensed matrix
 /// is quadratic in the Jacobian, so rows whose angle to the others is below 1e-6 rad count as dependent.
 inline constexpr double dependent_row = 1e-12;
+/// A row that the joints on its way move by less than this part (squared) of what they would if they stood at right angles to it and as far
+/// away as the mechanism is large is moved by rounding alone: planar chains, and chains about a point. There may be nothing else to
+/// compare it with.
+inline constexpr double immobile_row = 1e-24;
 /// The same for corrections, as part of the typical least pivot. Within an angle d of a singular position a gap of rounding eps would be
 /// answered by a correction eps / d of the position, eps / d^2 of the velocity and eps / d^3 of the acceleration; below 1e-3 rad it is
 /// better to wait.
@@ -100,6 +104,7 @@ class ClosedLinks {
   std::vector<Vec6> Z_;                 ///< [multipliers]
   std::vector<double> reduced_;         ///< [multipliers] what eliminations took from the diagonal
   std::vector<double> terms_;           ///< [multipliers] the diagonal if all directions agreed: what rounding is measured by
+  double length_ = 1;                   ///< m: of the mechanism's parts
   std::vector<double> g_, z_, lambda_;  ///< [multipliers]
   std::vector<double> multipliers_;
   std::vector<char> independent_;

@@ -92,6 +92,9 @@ ClosedKernelState::ClosedKernelState(const Mechanism& m, const ClosedLinks& link
   Lambda.resize(at(over_nodes.blocks));
   Y.resize(over_nodes.neighbours.size());
   factor.resize(g.size());
+  moved.resize(g.size());
+  length2 = links.length_ * links.length_;
+  for (const NodeOrder& o : program.order) turning.push_back(o.kind == NodeKind::prismatic ? 1 / length2 : 1.0);
   scratch.resize(scratch_size(program, sizeof(double), 1) / sizeof(CacheLine) + 1);
   if (by_paths && !twins.pairs.empty()) twin_scratch.resize(twins.scratch / sizeof(CacheLine) + 1);
 }
@@ -151,6 +154,8 @@ class ClosedRun {
   }
   ClosedArguments closed_arguments() {
     return {.dependent = dependent_row,
+            .immobile = immobile_row,
+            .length2 = k_.length2,
             .entries = x_.entries.data(),
             .nodes = x_.nodes.data(),
             .present = x_.present.data(),
@@ -162,6 +167,7 @@ class ClosedRun {
             .entry_count = static_cast<int>(x_.entries.size()),
             .block_count = x_.blocks,
             .slope = links_.rows_.slope.data(),
+            .turning = k_.turning.data(),
             .paths = &k_.paths,
             .twins = nullptr,
             .moves = k_.moves.data(),
@@ -172,6 +178,7 @@ class ClosedRun {
             .s = k_.s.data(),
             .t = k_.t.data(),
             .reduced = k_.reduced.data(),
+            .moved = k_.moved.data(),
             .Lambda = k_.Lambda.data(),
             .Y = k_.Y.data(),
             .factor = k_.factor.data(),

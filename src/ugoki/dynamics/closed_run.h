@@ -20,13 +20,16 @@ struct ClosedKernelState {
   bool world_bound = false;        ///< all loops hold a link to the world: see WorldBound
   std::vector<NodeWanted> moves;   ///< [nodes] on the way to an end link
   std::vector<NodeMotion> motion;  ///< [nodes]
-  std::vector<Pose> X_WB;          ///< [links] of end links
-  std::vector<Vec6> V;             ///< [links] of end links, about p0
+  std::vector<double> turning;     ///< [nodes] see ClosedArguments
+  double length2 = 1;
+  std::vector<Pose> X_WB;  ///< [links] of end links
+  std::vector<Vec6> V;     ///< [links] of end links, about p0
 
   std::vector<LoopColumns> P;
   std::vector<LoopLanes> g, s, t, reduced, lambda;
   std::vector<LoopBlock> Lambda, Y;
   std::vector<LoopFactor> factor;
+  std::vector<double> moved;
   std::vector<CacheLine> scratch, twin_scratch;
 };
 

@@ -24,7 +24,10 @@ class LoopPass {
 
   void begin() {
     const Rows none(0);
-    for (int i = 0; i < a_.entry_count; ++i) none.store(a_.reduced[i].x);
+    for (int i = 0; i < a_.entry_count; ++i) {
+      none.store(a_.reduced[i].x);
+      a_.moved[i] = 0;
+    }
     for (int i = 0; i < a_.block_count; ++i)
       for (auto& row : a_.Lambda[i].x) none.store(row);
   }
@@ -45,7 +48,7 @@ class LoopPass {
   template <class Along>
   UGOKI_INLINE void freedom(int node, int which, int f, const Vec6T<T>& U, T d, T u, T sign, Along&& along) {
     const ClosedStructure::Node& n = a_.nodes[node];
-    if (n.passing_count != 0) pass_freedom(n, which, f, U, d, u, sign, along);
+    if (n.passing_count != 0) pass_freedom(n, which, f, U, d, u, sign, a_.turning[node] * d.v, along);
   }
 
   /// g -= P . c
@@ -71,10 +74,12 @@ class LoopPass {
   void floating(int node, const T (*L)[6], const T* d, const T* u, const Vec6T<T>& a0) {
     const ClosedStructure::Node& n = a_.nodes[node];
     if (n.passing_count == 0) return;
+    const double moves = (d[0] + d[1] + d[2]).v + (d[3] + d[4] + d[5]).v / a_.length2;
     for (int i = 0; i < n.passing_count; ++i) {
       const Columns P = columns(n.present + i);
       const int e = a_.present[n.present + i].entry;
       subtract(e, along(P, a0));
+      a_.moved[e] += moves;
       Rows y[6] = {P.w.x, P.w.y, P.w.z, P.v.x, P.v.y, P.v.z};
       for (int k = 6; k-- > 0;) {
         for (int j = 0; j < k; ++j) y[j] -= y[k] * Rows((L[k][j] * d[k]).v);
@@ -141,7 +146,8 @@ class LoopPass {
   // The work at a node that loops pass stays out of line: most nodes have none, and keep their registers.
 
   template <class Along>
-  UGOKI_APART void pass_freedom(const ClosedStructure::Node& n, int which, int f, const Vec6T<T>& U, T d, T u, T sign, Along along) {
+  UGOKI_APART void pass_freedom(const ClosedStructure::Node& n, int which, int f, const Vec6T<T>& U, T d, T u, T sign, double moves,
+                                Along along) {
     LoopLanes* const s = a_.s + n.s_slot + which * n.passing_count;
     const Rows Ux(U.w.x.v), Uy(U.w.y.v), Uz(U.w.z.v), Vx(U.v.x.v), Vy(U.v.y.v), Vz(U.v.z.v), D(d.v), step((d * u).v);
     for (int i = 0; i < n.passing_count; ++i) {
@@ -157,8 +163,10 @@ class LoopPass {
       P.v.y -= Vy * t;
       P.v.z -= Vz * t;
       store(P, n.present + i);
-      LoopLanes& g = a_.g[a_.present[n.present + i].entry];
+      const int e = a_.present[n.present + i].entry;
+      LoopLanes& g = a_.g[e];
       (Rows::load(g.x) - x * step).store(g.x);
+      a_.moved[e] += moves;
     }
     couple(n, s, d.v);
   }
@@ -228,8 +236,14 @@ class LoopPass {
       double& scale = greatest[i < e.position_rows ? 0 : 1];
       if (diagonal[i] + reduced[i] > scale) scale = diagonal[i] + reduced[i];
     }
+    const double rounding = a_.immobile * a_.moved[x.entry];
     double limit[6];
-    for (int i = 0; i < e.rows; ++i) limit[i] = a_.dependent * greatest[i < e.position_rows ? 0 : 1];
+    for (int i = 0; i < e.rows; ++i) {
+      const bool position = i < e.position_rows;
+      const double least = position ? rounding * a_.length2 : rounding;
+      limit[i] = a_.dependent * greatest[position ? 0 : 1];
+      if (limit[i] < least) limit[i] = least;
+    }
     F.weakest = 1;
     for (F.rank = 0; F.rank < e.rows; ++F.rank) {
       const int k = F.rank;
@@ -239,7 +253,7 @@ class LoopPass {
         if (!(diagonal[b] > limit[b]) || diagonal[a] * limit[b] > diagonal[b] * limit[a]) best = i;
       }
       if (!(diagonal[F.order[best]] > limit[F.order[best]])) return;
-      const double part = diagonal[F.order[best]] * a_.dependent / limit[F.order[best]];
+      const double part = diagonal[F.order[best]] / greatest[F.order[best] < e.position_rows ? 0 : 1];
       if (part < F.weakest) F.weakest = part;
       if (best != k) {
         const int order = F.order[k];

@@ -73,6 +73,7 @@ class PathForward {
     double* const at_g = c_.g[path.entry].x + rows;
     Columns P = zero;
     Rows g = Rows::load(at_g);
+    moved_ = 0;
     if (path.present_world >= 0) {
       add_columns(P, path.present_world, rows);
       g -= along(P.v, kernel_.acceleration_[0].v);
@@ -88,6 +89,7 @@ class PathForward {
     P.v += from_a.v;
     cross(path.fork_b, path.end, rows, P, g);
     g.store(at_g);
+    c_.moved[path.entry] = moved_;
   }
 
   void cross(int begin, int end, int rows, Columns& P_out, Rows& g_out) {
@@ -124,9 +126,10 @@ class PathForward {
   }
 
   template <Crossing K>
-  UGOKI_INLINE void revolute(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) const {
+  UGOKI_INLINE void revolute(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) {
     const NodeConstants<double>& c = a_.constants[i];
     pass(kernel_.freedom_[o.v], P.w.z, P, g, s, t);
+    moved_ += kernel_.freedom_[o.v].d.v;
     const V3<One> w = kernel_.w_[i + 1];
     const One rate = kernel_.v(o.v) * One(c.sign);
     g -= P.w.x * wide(w.y * rate) - P.w.y * wide(w.x * rate);
@@ -138,7 +141,7 @@ class PathForward {
     add_cross(P.w, o.offset, c.p, P.v);
   }
 
-  void other(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) const {
+  void other(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) {
     if (o.kind == NodeKind::floating) {
       floating(i, o, P, g, s, t);
       return;
@@ -150,6 +153,7 @@ class PathForward {
       Rows x = o.kind == NodeKind::spherical ? P.w[k] : o.kind == NodeKind::prismatic ? P.v.z : P.w.z;
       if (o.kind == NodeKind::helical) x += P.v.z * Rows(c.pitch);
       pass(kernel_.freedom_[o.v + k], x, P, g, s + k * loop_lanes, t + k * loop_lanes);
+      moved_ += kernel_.freedom_[o.v + k].d.v * c_.turning[i];
     }
     const Mat3T<One>& E = kernel_.pass_.E[i];
     const MatrixCrossing<Rows> X{
@@ -159,7 +163,7 @@ class PathForward {
   }
 
   /// A floating base takes all that is left of P: y = L^-1 P, freedom by freedom, from the last one on.
-  void floating(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) const {
+  void floating(int i, const NodeOrder& o, Columns& P, Rows& g, double* s, double* t) {
     g -= along(P.v, kernel_.pass_.down(i, kernel_.acceleration_[0].v));
     Rows y[6] = {P.w.x, P.w.y, P.w.z, P.v.x, P.v.y, P.v.z};
     for (int k = 6; k-- > 0;) {
@@ -169,6 +173,7 @@ class PathForward {
       scaled.store(t + k * loop_lanes);
       for (int j = 0; j < k; ++j) y[j] -= scaled * wide(j < 3 ? f.U.w[j] : f.U.v[j - 3]);
       g -= scaled * wide(f.u);
+      moved_ += k < 3 ? f.d.v : f.d.v / c_.length2;
     }
   }
 
@@ -204,6 +209,7 @@ class PathForward {
   const KernelArguments<double>& a_;
   const ClosedArguments& c_;
   const LoopPaths& paths_;
+  double moved_ = 0;  // of the path that is followed: ClosedArguments::moved
 };
 
 }  // namespace
