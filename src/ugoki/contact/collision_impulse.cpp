@@ -6,8 +6,9 @@
 namespace ugoki::contact {
 namespace {
 
-constexpr double held = 1e-12;  // of the answer to an impulse without the loops: less is rounding
-constexpr double tied = 1e-9;   // approaches that differ by less, relatively, are simultaneous
+constexpr double held = 1e-12;            // of the answer to an impulse without the loops: less is rounding
+constexpr double most_correction = 1e-9;  // of an impulse, for the energy's sake: rounding
+constexpr double tied = 1e-9;             // approaches that differ by less, relatively, are simultaneous
 
 bool same_pair(const collision::ContactPoint& a, const collision::ContactPoint& b) {
   return a.system_a == b.system_a && a.link_a == b.link_a && a.system_b == b.system_b && a.link_b == b.link_b;
@@ -44,6 +45,34 @@ void multiply_by_inertia(const dynamics::Workspace& ws, std::span<const double> 
     y[i] += ws.M[static_cast<std::size_t>(ws.row_start[i + 1] - 1)] * x[i];
   }
 }
+
+/// How a change `d` of the velocities changes the kinetic energy: `rate` s + `square` s^2 / 2 where s d is added. Link by link, since what
+/// light links do drowns in the matrix of the whole.
+struct EnergyChange {
+  double rate = 0, square = 0;  // J
+
+  void add(const LinkSystem& s, std::span<const double> d) {
+    const Mechanism& m = *s.mechanism;
+    dynamics::Workspace& ws = *s.workspace;
+    for (int i = 0; i < m.link_count(); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const Link& link = m.link(i);
+      const auto parent = static_cast<std::size_t>(std::max(link.parent, 0));
+      Vec6 V = link.parent >= 0 ? ws.A[parent] : Vec6{}, D = link.parent >= 0 ? ws.pA[parent] : Vec6{};
+      for (auto f = static_cast<std::size_t>(link.v_index); f < static_cast<std::size_t>(link.v_index + link.joint.nv()); ++f) {
+        V += ws.S[f] * s.v[f];
+        D += ws.S[f] * d[f];
+        rate += ws.freedoms[f].armature * s.v[f] * d[f];
+        square += ws.freedoms[f].armature * d[f] * d[f];
+      }
+      ws.A[at] = V;
+      ws.pA[at] = D;
+      const Vec6 h = ws.I[at] * D;
+      rate += dot(V, h);
+      square += dot(D, h);
+    }
+  }
+};
 
 }  // namespace
 
@@ -256,23 +285,46 @@ bool CollisionImpulse::collide_group(std::span<const LinkSystem> systems, std::s
     for (std::size_t j = 0; j <= i; ++j) A_[i * n + j] = A_[j * n + i] = coupling(systems, r, list_[static_cast<std::size_t>(group_[j])]);
   }
   solve_nonnegative(n);
-  struck_.assign(systems.size(), 0);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (p_[i] == 0) continue;
-    const Row& r = list_[static_cast<std::size_t>(group_[i])];
-    impulses_[static_cast<std::size_t>(r.contact)] += p_[i];
-    for (const Side& side : r.sides) {  // (18) (19)
-      if (side.system < 0) continue;
-      struck_[static_cast<std::size_t>(side.system)] = 1;
-      const LinkSystem& s = systems[static_cast<std::size_t>(side.system)];
-      for (std::size_t k = 0; k < freedoms(s); ++k) s.v[k] += jumps_[static_cast<std::size_t>(side.row) + k] * p_[i];
-    }
-  }
+  apply(systems);
   const auto is_struck = [&](const Side& side) { return side.system >= 0 && struck_[static_cast<std::size_t>(side.system)]; };
   for (Row& r : list_)
     if (std::ranges::any_of(r.sides, is_struck)) update_velocity(systems, r, plastic);
   ++report.collisions;
   return true;
+}
+
+/// (18) (19), and where all is elastic the impulses made such that the energy stays to the last digits.
+void CollisionImpulse::apply(std::span<const LinkSystem> systems) {
+  struck_.assign(systems.size(), 0);
+  struck_list_.clear();
+  const auto change = [&](std::size_t s) { return std::span(change_).subspan(first_freedom_[s], freedoms(systems[s])); };
+  bool elastic = true;
+  for (std::size_t i = 0; i < group_.size(); ++i) {
+    if (p_[i] == 0) continue;
+    const Row& r = list_[static_cast<std::size_t>(group_[i])];
+    elastic = elastic && r.e == 1;
+    for (const Side& side : r.sides) {
+      if (side.system < 0) continue;
+      const auto s = static_cast<std::size_t>(side.system);
+      if (!struck_[s]) {
+        struck_[s] = 1;
+        struck_list_.push_back(s);
+        std::ranges::fill(change(s), 0.0);
+      }
+      for (std::size_t k = 0; k < freedoms(systems[s]); ++k) change(s)[k] += jumps_[static_cast<std::size_t>(side.row) + k] * p_[i];
+    }
+  }
+  double part = 1;
+  if (elastic) {
+    EnergyChange energy;
+    for (const std::size_t s : struck_list_) energy.add(systems[s], change(s));
+    const double exact = -2 * energy.rate / energy.square;
+    if (std::fabs(exact - 1) < most_correction) part = exact;
+  }
+  for (std::size_t i = 0; i < group_.size(); ++i)
+    if (p_[i] != 0) impulses_[static_cast<std::size_t>(list_[static_cast<std::size_t>(group_[i])].contact)] += part * p_[i];
+  for (const std::size_t s : struck_list_)
+    for (std::size_t k = 0; k < freedoms(systems[s]); ++k) systems[s].v[k] += part * change(s)[k];
 }
 
 ImpactReport CollisionImpulse::collide(std::span<const LinkSystem> systems, std::span<const collision::ContactPoint> contacts,
@@ -281,6 +333,9 @@ ImpactReport CollisionImpulse::collide(std::span<const LinkSystem> systems, std:
   list_.clear();
   rows_.clear();
   factored_.assign(systems.size(), 0);
+  first_freedom_.assign(1, 0);
+  for (const LinkSystem& s : systems) first_freedom_.push_back(first_freedom_.back() + freedoms(s));
+  change_.resize(first_freedom_.back());
   impulses_.assign(contacts.size(), 0.0);
   rounding_ = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {

@@ -83,6 +83,7 @@ class CollisionImpulse {
   bool collide_group(std::span<const LinkSystem> systems, std::span<const collision::ContactPoint> contacts, const ImpactOptions& options,
                      bool plastic, ImpactReport& report);
   void solve_nonnegative(std::size_t n);
+  void apply(std::span<const LinkSystem> systems);
 
   dynamics::ClosedImpulse closed_;
   std::vector<Row> list_;
@@ -91,10 +92,13 @@ class CollisionImpulse {
   std::vector<double> jumps_;   // MJ of each side
   std::vector<char> factored_;  // [systems]
   std::vector<double> impulses_;
-  double rounding_ = 0;       // m/s: slower approaches are none
-  std::vector<int> group_;    // into list_
-  std::vector<int> fastest_;  // contacts that approach fastest
-  std::vector<char> struck_;  // [systems] by the last collision
+  double rounding_ = 0;                     // m/s: slower approaches are none
+  std::vector<int> group_;                  // into list_
+  std::vector<int> fastest_;                // contacts that approach fastest
+  std::vector<char> struck_;                // [systems] by the last collision
+  std::vector<std::size_t> struck_list_;    // the same
+  std::vector<std::size_t> first_freedom_;  // [systems + 1]
+  std::vector<double> change_;              // [freedoms of all systems] of the velocities of those struck
   std::vector<double> A_, b_, p_, L_, s_, g_;
   std::vector<int> passive_;
   std::vector<char> banned_;
