@@ -144,6 +144,7 @@ static int step(Instance* self, double now, double size, bool* terminate, double
   *reached = self->now;
   const int status = model_step(self, &self->model, self->now, size, terminate, reached);
   if (status <= WARNING && !*terminate) self->now = now + size;
+  if (status == FATAL) free(self); /* nobody may call it any more: the address sanitizer sees an importer that does */
   return status;
 }
 typedef struct {
