@@ -1,8 +1,8 @@
 // The search of two hulls from what the last query left: certified in motions of every size, at every distance, on degenerate hulls.
 
-#include "ugoki/collision/hull_search.h"
 #include "convex_oracles.h"
 #include "ugoki/collision/gilbert_width.h"
+#include "ugoki/collision/hull_leap.h"
 
 namespace ugoki::collision {
 namespace {
@@ -35,9 +35,49 @@ std::vector<Hull> all_kinds(test::Random& random, double scale) {
   return out;
 }
 
+/// Distance of p from the points, segment or triangle of `count` corners.
+double distance_from(const Vec3& p, const std::vector<Vec3>& corners) {
+  double least = norm(p - corners[0]);
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) {
+      const Vec3 e = corners[i] - corners[k];
+      const double t = dot(e, e) > 0 ? std::clamp(dot(p - corners[k], e) / dot(e, e), 0.0, 1.0) : 0;
+      least = std::min(least, norm(p - corners[k] - e * t));
+    }
+  if (corners.size() < 3) return least;
+  const Vec3 e = corners[1] - corners[0], f = corners[2] - corners[0], q = p - corners[0], n = cross(e, f);
+  const double s = dot(cross(q, f), n), t = dot(cross(e, q), n), nn = dot(n, n);
+  return nn > 0 && s >= 0 && t >= 0 && s + t <= nn ? std::min(least, std::fabs(dot(q, n)) / std::sqrt(nn)) : least;
+}
+
+/// How far the nearest points lie from the features that the cache names.
+double off_features(const GilbertCache& cache, const Support& a, const Pose& A, const Support& b, const Pose& B, const GilbertResult& r) {
+  std::vector<Vec3> on_a, on_b;
+  for (int k = 0; k < cache.count; ++k) {
+    on_a.push_back(A * a.hull->vertices[static_cast<std::size_t>(cache.a[static_cast<std::size_t>(k)])]);
+    on_b.push_back(B * b.hull->vertices[static_cast<std::size_t>(cache.b[static_cast<std::size_t>(k)])]);
+  }
+  return std::max(distance_from(r.pa + r.n * a.radius, on_a), distance_from(r.pb - r.n * b.radius, on_b));
+}
+
+/// Nothing known of the trend, or that the motion is brisk, or what has nothing to do with these hulls.
+GilbertCache any_cache(test::Random& random) {
+  GilbertCache cache;
+  const int kind = random.below(4);
+  if (kind == 0) return cache;
+  cache.trend.pace = 1 << 20;
+  if (kind == 1) return cache;
+  const Vec3 n = random.unit(), change = random.vec(0.1);
+  cache.trend.next = {n.x, n.y, n.z, 0};
+  cache.trend.change = {change.x, change.y, change.z, 0};
+  cache.trend.inverse_distance = random.in(-1, 1);
+  if (kind == 2) cache.trend.next[1] = std::numeric_limits<double>::quiet_NaN();
+  return cache;
+}
+
 struct Tally {
   int separated = 0, quick = 0, most = 0;
-  double worst = 0;
+  double worst = 0, off = 0;
 };
 
 /// One pair, moved in steps from 1e-6 to 0.3 (of the size, and radians) and sometimes not at all. Every answer proved.
@@ -52,7 +92,7 @@ void certify_motion(test::Random& random, const Support& a, const Support& b, do
   B.p += n * (test::reach(a, A, n) + test::reach(b, B, -n) + a.radius + b.radius + gap);
   const double stride = std::pow(10.0, random.in(-6, -0.5));
   const Vec3 turn = random.unit(), way = random.unit() * (stride * scale * random.in(0, 1));
-  GilbertCache cache;
+  GilbertCache cache = any_cache(random);
   for (int step = 0; step < 8; ++step) {
     const GilbertResult r = gilbert_distance(a, A, b, B, cache);
     ASSERT_TRUE(r.status == GilbertStatus::separated || r.status == GilbertStatus::touching) << int(r.status);
@@ -66,6 +106,9 @@ void certify_motion(test::Random& random, const Support& a, const Support& b, do
           std::max(test::certificate(a, A, b, B, r.distance, r.pa, r.pb, r.n), r.distance - r.lower) / std::max(size, 1e-300);
       // The certificate's |n| - 1 is no length.
       tally.worst = std::max(tally.worst, error);
+      const double off = off_features(cache, a, A, b, B, r) / std::max(size, 1e-300);
+      tally.off = std::max(tally.off, off);
+      ASSERT_LE(off, allowed) << "gap " << gap << " scale " << scale << " offset " << offset << " step " << step;
       ASSERT_LE(error, allowed) << "gap " << gap << " scale " << scale << " offset " << offset << " step " << step;
     }
     if (random.below(4) == 0) continue;
@@ -92,8 +135,10 @@ void certify_motions(int motions, unsigned seed) {
   }
   EXPECT_GT(tally.separated, motions * 12);
   EXPECT_LT(tally.most, 100);
-  std::printf("  %d poses apart (seed %u), %d of them after at most 2 rings; worst error %.2g of the size, at most %d support points\n",
-              tally.separated, seed, tally.quick, tally.worst, tally.most);
+  std::printf(
+      "  %d poses apart (seed %u), %d of them after at most 2 rings; worst error %.2g of the size, at most %d support points; "
+      "nearest points at most %.2g off the features named\n",
+      tally.separated, seed, tally.quick, tally.worst, tally.most, tally.off);
 }
 
 TEST(HullSearch, MotionsCertified) { certify_motions(1500, 301); }
@@ -123,6 +168,34 @@ TEST(HullSearch, TakesOverInSlowMotion) {
   }
 }
 
+/// Where the motion passes vertices at nearly every query, the foretold look and its fans find the nearest points, not the ordinary way.
+TEST(HullLeap, FollowsBriskMotionOfBigHulls) {
+  test::Random random(33);
+  for (const int n : {1000, 4000, 16000}) {
+    const Hull ha = test::hull_of(test::on_ellipsoid(random, n, {0.5, 0.4, 0.3})),
+               hb = test::hull_of(test::on_ellipsoid(random, n, {0.3, 0.5, 0.4}));
+    const Support a = Support::of(ha), b = Support::of(hb, 0.01);
+    Mat3 R = Mat3::identity();
+    GilbertCache cache;
+    int leaps = 0, looks = 0;
+    for (int i = 0; i < 1000; ++i) {
+      R = rotation_about({0.6, 0, 0.8}, 1.5 * pi / 180) * R;
+      const double t = i * 0.015;
+      const Pose A{R, {0.1 * std::sin(t), 0, 0}}, B{R.transposed(), {1.3 * std::cos(t), 1.3 * std::sin(t), 0.2 * std::sin(3 * t)}};
+      GilbertCache tried = cache, cold;
+      GilbertResult leapt;
+      if (cache.trend.pace > brisk && HullLeap(a, A, b, B, tried, {}).run(leapt)) ++leaps;
+      const GilbertResult r = gilbert_distance(a, A, b, B, cache), anew = gilbert_distance(a, A, b, B, cold);
+      ASSERT_EQ(r.status, GilbertStatus::separated);
+      ASSERT_NEAR(r.distance, anew.distance, 1e-12);
+      ASSERT_LE(test::certificate(a, A, b, B, r.distance, r.pa, r.pb, r.n), 1e-12);
+      looks += r.iterations;
+    }
+    EXPECT_GE(leaps, 900) << n << " vertices";
+    EXPECT_LE(looks, 3300) << n << " vertices";
+  }
+}
+
 bool same(const GilbertResult& r, const GilbertResult& s) {
   return r.status == s.status && r.iterations == s.iterations && r.distance == s.distance && r.lower == s.lower && r.pa == s.pa &&
          r.pb == s.pb && r.n == s.n;
@@ -138,7 +211,7 @@ TEST(HullSearch, SameBitsInEveryWidthOfRegisters) {
     };
     const Support a = any(), b = any();
     Pose A = random.pose(0.3), B = random.pose(1.2);
-    GilbertCache library, plain, wide, wider;
+    GilbertCache library = any_cache(random), plain = library, wide = library, wider = library;
     for (int k = 0; k < 5; ++k) {
       const GilbertResult r = gilbert_distance(a, A, b, B, library);
       ASSERT_TRUE(same(r, hull_distance(a, A, b, B, plain, {}))) << i;

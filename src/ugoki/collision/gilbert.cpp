@@ -1,7 +1,7 @@
 #include "ugoki/collision/gilbert.h"
 
 #include "ugoki/collision/gilbert_width.h"
-#include "ugoki/collision/hull_search.h"
+#include "ugoki/collision/hull_leap.h"
 
 namespace ugoki::collision {
 namespace {

@@ -13,12 +13,21 @@
 
 namespace ugoki::collision {
 
+/// Where the direction between two hulls goes while their motion passes vertices at nearly every query (hull_leap.h); all zero at the
+/// start.
+struct GilbertTrend {
+  std::int32_t pace = 0;                   ///< smoothed: 1024 for each vertex that a query passes
+  double inverse_distance = 0;             ///< 1/m, of the last query
+  std::array<double, 4> next{}, change{};  ///< world: from b towards a, about 1 long: as foretold; what is added to it from query to query
+};
+
 /// What a pair remembers from one query to the next; all zero at the start. Wrong or foreign content costs time, never truth,
 /// but one cache belongs to one pair of supports (vertices are indices into their hulls).
 struct GilbertCache {
   std::array<std::int32_t, 3> a{}, b{};  ///< vertices of the nearest features
   std::int32_t count = 0;                ///< how many of them; 0: nothing known
   Vec3 n;                                ///< unit or zero, shape a's frame, from b towards a: last separating direction
+  GilbertTrend trend;
 };
 
 enum class GilbertStatus : std::uint8_t {

@@ -1,5 +1,5 @@
 #include "ugoki/collision/gilbert_width.h"
-#include "ugoki/collision/hull_search.h"
+#include "ugoki/collision/hull_leap.h"
 
 namespace ugoki::collision {
 

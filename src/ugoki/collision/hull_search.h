@@ -35,6 +35,9 @@ struct LanePose {
   Four3 operator()(const Four3& q) const {
     return {x.x * q.x + x.y * q.y + x.z * q.z + p.x, y.x * q.x + y.y * q.y + y.z * q.z + p.y, z.x * q.x + z.y * q.y + z.z * q.z + p.z};
   }
+  Four3 turn(const Four3& q) const {
+    return {x.x * q.x + x.y * q.y + x.z * q.z, y.x * q.x + y.y * q.y + y.z * q.z, z.x * q.x + z.y * q.y + z.z * q.z};
+  }
 };
 
 /// Row `row` of a pose's matrix; the last lane is whatever follows it there.
@@ -64,10 +67,20 @@ struct Place {
   bool moved;
 };
 
-/// A step among the neighbours beyond eight, after one among the eight. Takes copies, so that nothing of the search must lie in memory for
-/// it.
-template <class Move>
-[[gnu::noinline]] static Place step_beyond(const Hull& h, const HullWalk::Node& node, Move move, Four3 v, double slack, Place best) {
+/// How points of a hull come into the frame of a, made when it is needed.
+struct StayInPlace {
+  InPlace operator()() const { return {}; }
+};
+struct MoveBetween {
+  const Pose &X_WA, &X_WB;
+  LanePose operator()() const { return between(X_WA, X_WB); }
+};
+
+/// A step among the neighbours beyond eight, after one among the eight. Makes the motion anew, so that nothing of the search must lie in
+/// memory for it.
+template <class Make>
+[[gnu::noinline]] static Place step_beyond(const Hull& h, const HullWalk::Node& node, Make make, Four3 v, double slack, Place best) {
+  const auto move = make();
   const auto more = static_cast<std::size_t>(node.more), count = static_cast<std::size_t>(node.more_count);
   for (std::size_t i = more; i < more + count; ++i) {
     const std::int32_t vertex = h.walk.overflow[i];
@@ -94,8 +107,8 @@ static inline Ring ring_at(const Hull& h, std::int32_t vertex, const Move& move)
 
 /// One step down along v: to the lowest neighbour (of which those that differ by rounding are as good), or none.
 /// @param at the ring's middle in the frame of a, all lanes the same
-template <class Move>
-static inline Place step_down(const Hull& h, const Ring& ring, const Four3& at, const Move& move, const Four3& v, double slack) {
+template <class Make>
+static inline Place step_down(const Hull& h, const Ring& ring, const Four3& at, const Make& make, const Four3& v, double slack) {
   const Four lowest = lowest_with_lane(dot(v, ring.low), dot(v, ring.high));
   const FourInts lower = lowest < dot(v, at) - all(slack);
   Place out;
@@ -105,8 +118,35 @@ static inline Place step_down(const Hull& h, const Ring& ring, const Four3& at, 
   out.moved = lower[0] != 0;
   out.vertex = UGOKI_UNPREDICTABLE(out.moved) ? ring.node->vertex[lane_in(lowest)] : ring.vertex;
   if (ring.node->more_count > 0) [[unlikely]]
-    return step_beyond(h, *ring.node, move, v, slack, out);
+    return step_beyond(h, *ring.node, make, v, slack, out);
   return out;
+}
+
+constexpr std::int32_t brisk = 400;   ///< GilbertTrend::pace above which the direction is followed
+constexpr double trust = 0.65;        ///< how much of what was not foretold is the motion's and not the facets'
+constexpr double trust_change = 0.1;  ///< the same of its change from query to query
+
+/// A direction more, about 1 long: level and change are smoothed (Holt 1957).
+static inline void follow(GilbertTrend& trend, const Four& n) {
+  const Four next = four_at(trend.next.data()), change = four_at(trend.change.data());
+  const Four ahead = n * (trust + trust_change) + (next * (1 - trust - trust_change) + change), turned = change + (n - next) * trust_change;
+  __builtin_memcpy(trend.next.data(), &ahead, sizeof ahead);
+  __builtin_memcpy(trend.change.data(), &turned, sizeof turned);
+}
+
+/// Counts vertices passed, and follows the direction where they are many.
+static inline void watch(GilbertTrend& trend, std::int32_t passed, const Vec3& n, double distance) {
+  trend.pace += 32 * passed - (trend.pace >> 5);
+  if (trend.pace <= brisk) [[likely]] {
+    trend.inverse_distance = 0;
+    return;
+  }
+  if (trend.inverse_distance == 0) {
+    trend.next = {n.x, n.y, n.z, 0};
+    trend.change = {};
+  }
+  follow(trend, Four{n.x, n.y, n.z, 0});
+  trend.inverse_distance = 1 / distance;
 }
 
 /// Search of two hulls from what the last query left.
@@ -119,17 +159,33 @@ class HullSearch {
   bool run(GilbertResult& out) {
     if (!is_cached()) return false;
     const LanePose X = between(X_WA_, X_WB_);
-    const double size = a_.radius + b_.radius, tolerance = options_.tolerance * (size + sa_.radius + sb_.radius);
-    const double scale = size + std::fabs(X.p.x[0]) + std::fabs(X.p.y[0]) + std::fabs(X.p.z[0]), least = least_apart * scale;
     const Four3 on_a = corners(a_, a0_), on_b = X(corners(b_, b0_));
     LaneSimplex simplex;
     simplex.w = on_a - on_b;
     simplex.ia = FourInts{a0_[1], a0_[2], a0_[0], a0_[0]};
     simplex.ib = FourInts{b0_[1], b0_[2], b0_[0], b0_[0]};
     simplex.alive = all(std::int64_t{cache_.count}) > FourInts{1, 2, 3, 3};
-    Place a{third(on_a), a0_[0], false}, b{third(on_b), b0_[0], false};
-    bool news = true;
-    for (int k = 1; k < most_rings; ++k) {
+    return go_on(out, X, Measures(*this, X), simplex, {third(on_a), a0_[0], false}, {third(on_b), b0_[0], false}, true, 1);
+  }
+
+ protected:
+  /// What is small and what is not.
+  struct Measures {
+    double tolerance, scale;  ///< m: greatest gap; size of the coordinates
+    Measures(const HullSearch& of, const LanePose& X) {
+      const double size = of.a_.radius + of.b_.radius;
+      tolerance = of.options_.tolerance * (size + of.sa_.radius + of.sb_.radius);
+      scale = size + std::fabs(X.p.x[0]) + std::fabs(X.p.y[0]) + std::fabs(X.p.z[0]);
+    }
+  };
+
+  /// Ring by ring from a corner to the nearest point.
+  /// @param news whether the corner (a, b) is not among those of the simplex
+  /// @param k rings looked at, this one included
+  [[gnu::always_inline]] bool go_on(GilbertResult& out, const LanePose& X, const Measures& measures, LaneSimplex simplex, Place a, Place b,
+                                    bool news, int k) {
+    const double tolerance = measures.tolerance, scale = measures.scale, least = least_apart * scale;
+    for (; k < most_rings; ++k) {
       // Before the simplex is reduced, as they do not wait for it.
       const Ring ring_a = ring_at(a_, a.vertex, InPlace()), ring_b = ring_at(b_, b.vertex, X);
       if (news) simplex.add(a.at - b.at, a.vertex, b.vertex);
@@ -137,8 +193,8 @@ class HullSearch {
       const double vv = dot(v, v)[0], d = std::sqrt(vv);
       if (!(d > least)) return false;
       const double slack = level * scale * d;
-      a = step_down(a_, ring_a, a.at, InPlace(), v, slack);
-      b = step_down(b_, ring_b, b.at, X, {-v.x, -v.y, -v.z}, slack);
+      a = step_down(a_, ring_a, a.at, StayInPlace(), v, slack);
+      b = step_down(b_, ring_b, b.at, MoveBetween{X_WA_, X_WB_}, {-v.x, -v.y, -v.z}, slack);
       const double vw = dot(v, a.at - b.at)[0];
       if (!(vw > 0)) return false;
       news = vv - vw > tolerance * d;
@@ -150,7 +206,6 @@ class HullSearch {
     return false;
   }
 
- private:
   static Four3 third(const Four3& q) {
     const auto lane = [](const Four& x) { return __builtin_shufflevector(x, x, 2, 2, 2, 2); };
     return {lane(q.x), lane(q.y), lane(q.z)};
@@ -173,17 +228,19 @@ class HullSearch {
 
   /// The cached corners; the first of them in lane 2.
   static Four3 corners(const Hull& h, const std::int32_t* i) {
-    const Vec3 &r = h.vertices[static_cast<std::size_t>(i[0])], &p = h.vertices[static_cast<std::size_t>(i[1])],
-               &q = h.vertices[static_cast<std::size_t>(i[2])];
-    return {Four{p.x, q.x, r.x, r.x}, Four{p.y, q.y, r.y, r.y}, Four{p.z, q.z, r.z, r.z}};
+    const double *r = h.walk.nodes[static_cast<std::size_t>(i[0])].own, *p = h.walk.nodes[static_cast<std::size_t>(i[1])].own,
+                 *q = h.walk.nodes[static_cast<std::size_t>(i[2])].own;
+    return {Four{p[0], q[0], r[0], r[0]}, Four{p[1], q[1], r[1], r[1]}, Four{p[2], q[2], r[2], r[2]}};
   }
 
-  bool finish(GilbertResult& out, const LaneSimplex& simplex, double d, double lower, double tolerance, std::int32_t ia, std::int32_t ib) {
+  [[gnu::always_inline]] bool finish(GilbertResult& out, const LaneSimplex& simplex, double d, double lower, double tolerance,
+                                     std::int32_t ia, std::int32_t ib) {
     const Four& weight = simplex.weight;
     const Vec3 v{simplex.v.x[0], simplex.v.y[0], simplex.v.z[0]};
     Vec3 on_a, w;
     for (int k = 0; k < 3; ++k) {
-      on_a += a_.vertices[static_cast<std::size_t>(simplex.ia[k])] * weight[k];
+      const double* at = a_.walk.nodes[static_cast<std::size_t>(simplex.ia[k])].own;
+      on_a += Vec3{at[0], at[1], at[2]} * weight[k];
       w += Vec3{simplex.w.x[k], simplex.w.y[k], simplex.w.z[k]} * weight[k];
     }
     const Vec3 off = w - v;
@@ -197,12 +254,13 @@ class HullSearch {
     out.pa = X_WA_ * (on_a - n * sa_.radius);
     out.pb = out.pa - out.n * out.distance;
     cache_.n = n;
+    watch(cache_.trend, (a0_[0] != ia ? 1 : 0) + (b0_[0] != ib ? 1 : 0), out.n, d);
     remember(simplex, ia, ib);
     return true;
   }
 
   /// The middles of the last rings first.
-  void remember(const LaneSimplex& simplex, std::int32_t ia, std::int32_t ib) {
+  [[gnu::always_inline]] void remember(const LaneSimplex& simplex, std::int32_t ia, std::int32_t ib) {
     std::size_t count = 0, middle = 0;
     for (int k = 0; k < 3; ++k) {
       cache_.a[count] = static_cast<std::int32_t>(simplex.ia[k]);
@@ -227,15 +285,5 @@ class HullSearch {
   std::int32_t a0_[3], b0_[3];  ///< vertices of the cache
 };
 
-/// Distance of two hulls that can be walked on.
-static inline GilbertResult hull_distance(const Support& a, const Pose& X_WA, const Support& b, const Pose& X_WB, GilbertCache& cache,
-                                          const GilbertOptions& options) {
-  GilbertResult out;
-  if (HullSearch(a, X_WA, b, X_WB, cache, options).run(out)) return out;
-  if (!all_finite(X_WA) || !all_finite(X_WB)) return {};
-  return Search<HullCore, HullCore>(a, X_WA, b, X_WB, cache, options).run();
-}
-
 }  // namespace
 }  // namespace ugoki::collision
-#undef UGOKI_UNPREDICTABLE

@@ -1,0 +1,108 @@
+#pragma once
+// A corner of the difference of two hulls with four edges that leave it, in lanes, for hull_leap.h: the nearest point of all of them.
+
+#include "ugoki/collision/lane_simplex.h"
+
+namespace ugoki::collision {
+namespace {  // NOLINT(google-build-namespaces): see gilbert_search.h
+
+template <int i, int j, int k, int l, class T>
+static inline T shuffle(const T& x) {
+  return __builtin_shufflevector(x, x, i, j, k, l);
+}
+static inline Four lesser(const Four& a, const Four& b) { return b < a ? b : a; }
+static inline Four greater(const Four& a, const Four& b) { return b > a ? b : a; }
+static inline Four3 operator+(const Four3& a, const Four3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+static inline Four3 operator*(const Four3& a, const Four& s) { return {a.x * s, a.y * s, a.z * s}; }
+
+/// Whether any lane is set.
+static inline bool any_of(const FourInts& mask) {
+  const FourInts two = mask | shuffle<2, 3, 0, 1>(mask);
+  return (two[0] | two[1]) != 0;
+}
+
+/// The least and the next of eight, in all lanes, named as by lowest_with_lane.
+struct TwoLowest {
+  Four first, second;
+};
+static inline TwoLowest two_lowest_with_lanes(const Four& x, const Four& y) {
+  const FourInts eight = all(~std::int64_t{7}), lanes = {0, 1, 2, 3}, more_lanes = {4, 5, 6, 7};
+  const Four a = (Four)(((FourInts)x & eight) | lanes), b = (Four)(((FourInts)y & eight) | more_lanes);
+  TwoLowest of{lesser(a, b), greater(a, b)};
+  const auto join = [&](const Four& first, const Four& second) {
+    of = {lesser(of.first, first), lesser(greater(of.first, first), lesser(of.second, second))};
+  };
+  join(shuffle<2, 3, 0, 1>(of.first), shuffle<2, 3, 0, 1>(of.second));
+  join(shuffle<1, 0, 3, 2>(of.first), shuffle<1, 0, 3, 2>(of.second));
+  return of;
+}
+
+/// In each lane that lane of x and y (eight) which `named` names there.
+static inline Four pick(const Four& x, const Four& y, const Four& named) {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+  return (Four)_mm256_permutex2var_pd((__m256d)x, (__m256i)named, (__m256d)y);
+#else
+  const double both[8] = {x[0], x[1], x[2], x[3], y[0], y[1], y[2], y[3]};
+  const FourInts i = (FourInts)named & all(std::int64_t{7});
+  return Four{both[i[0]], both[i[1]], both[i[2]], both[i[3]]};
+#endif
+}
+/// In all lanes that lane of x (four) which `named` names.
+static inline Four take(const Four& x, const Four& named) {
+#if defined(__AVX512F__) && defined(__AVX512VL__)
+  return (Four)_mm256_permutexvar_pd((__m256i)named, (__m256d)x);
+#else
+  const double four[4] = {x[0], x[1], x[2], x[3]};
+  return all(four[((FourInts)named)[0] & 3]);
+#endif
+}
+static inline Four3 take(const Four3& x, const Four& named) { return {take(x.x, named), take(x.y, named), take(x.z, named)}; }
+
+/// A corner p of the difference and four edges that leave it: lanes 0 and 2 along edges of a, 1 and 3 along edges of b. Looked at are the
+/// edges and four faces: those of lanes 0 and 1, 1 and 3, 2 and 0, 3 and 0. Edges of different hulls span parallelograms.
+struct LaneFan {
+  Four named;  ///< its lowest bits are the lane of the nearest feature (of its first edge)
+  Four s, t;   ///< of all lanes: how far along the first and the second edge the nearest point lies, 0 ... 1 of it
+  Four3 v;     ///< m: the nearest point, all lanes the same
+  Four3 f;     ///< m: the second edge of each lane's face
+
+  static constexpr FourInts first_of_a = {-1, 0, -1, 0}, second_of_a = {0, 0, -1, -1};
+
+  /// @param e edges from p, m @param p m, all lanes the same
+  LaneFan(const Four3& e, const Four3& p) : f{seconds(e.x), seconds(e.y), seconds(e.z)} {
+    const Four zero = all(0.0), one = all(1.0), none = all(1e300);
+    const FourInts mixed = {-1, 0, 0, -1};
+    const Four3 n = cross(e, f);
+    const Four nn = dot(n, n), height = dot(n, p), ee = dot(e, e), ff = seconds(ee), ef = dot(e, f);
+    const Four along = -dot(e, p), along_f = seconds(along);
+    // Weights of the edges' ends, times n . n.
+    const Four ws = along * ff - along_f * ef, wt = along_f * ee - along * ef, most = mixed ? greater(ws, wt) : ws + wt;
+    const FourInts face_ok = (ws >= zero) & (wt >= zero) & (most <= nn) & (nn > 1e-28 * ee * ff);
+    const Four scale = one / nn, face_vv = face_ok ? (height * height) * scale : none;
+    const Four pp = dot(p, p);
+    const FourInts before = along <= zero, past = along >= ee;
+    Four u = along / ee;
+    Four edge_vv = past ? pp - (along + (along - ee)) : pp - along * u;
+    edge_vv = before ? pp : edge_vv;
+    u = past ? one : u;
+    u = before ? zero : u;
+    const FourInts is_face = face_vv < edge_vv;
+    const Four least = lesser(face_vv, edge_vv);
+    named = (Four)(((FourInts)least & ~FourInts{3, 3, 3, 3}) | FourInts{0, 1, 2, 3});
+    named = lesser(named, shuffle<2, 3, 0, 1>(named));
+    named = lesser(named, shuffle<1, 0, 3, 2>(named));
+    const Four sf = ws * scale, tf = wt * scale;
+    s = is_face ? sf : u;
+    t = is_face ? tf : zero;
+    v = take(select(is_face, p + e * sf + f * tf, p + e * u), named);
+  }
+  /// The lane of a face's second edge.
+  static int second_lane(int lane) { return lane == 0 ? 1 : lane == 1 ? 3 : 0; }
+  [[nodiscard]] int lane() const { return static_cast<int>(((FourInts)named)[0] & 3); }
+
+ private:
+  static Four seconds(const Four& x) { return shuffle<1, 3, 0, 0>(x); }
+};
+
+}  // namespace
+}  // namespace ugoki::collision
