@@ -89,6 +89,7 @@ describe('the library browser', () => {
 });
 
 describe('imports', () => {
+  const file = (name: string): File => Object.assign(new Blob(['x']), { name, lastModified: 0, webkitRelativePath: '' }); // node 18 has no File
   const staged = (stage: string) => ({ stage, file: 'a.bvh', format: 'BVH', settings: { unit: 1, unit_guessed: true, up: 'y', forward: 'z', rate: 30, rate_told: true }, can: { unit: true, axes: true, rate: true }, entries: [], report: { read: [], guessed: [], changed: [], left_out: [], check: [] } });
   const make = (answer: (path: string) => Answer) => {
     const asked: string[] = [];
@@ -97,7 +98,7 @@ describe('imports', () => {
   };
   it('sends what others need first, and goes on behind a refused file', async () => {
     const { queue, asked } = make((path) => (path.includes('bad') ? { status: 400, body: { error: { problems: [{ place: 'bad.bvh:4', message: 'It ends.' }] } } } : { body: staged('i1') }));
-    await queue.add([new File(['x'], '1_1.amc'), new File(['x'], 'bad.bvh'), new File(['x'], '1.asf')]);
+    await queue.add([file('1_1.amc'), file('bad.bvh'), file('1.asf')]);
     expect(asked).toEqual(['api/import/file?name=1.asf', 'api/import/stage?name=1_1.amc', 'api/import/stage?name=bad.bvh']);
     expect(queue.state.items.map((i) => i.status)).toEqual(['ready', 'refused']);
     expect(queue.state.items[1]!.problems[0]!.message).toBe('It ends.');
@@ -105,7 +106,7 @@ describe('imports', () => {
   it('reads again with the last of several quick corrections, and a failed one leaves what was', async () => {
     let fail = false;
     const { queue, asked } = make((path) => (fail && path.includes('stage/') ? { status: 400, body: { error: { problems: [{ message: 'no' }] } } } : { body: staged('i1') }));
-    await queue.add([new File(['x'], 'a.bvh')]);
+    await queue.add([file('a.bvh')]);
     const { id } = queue.state.items[0]!;
     void queue.correct(id, { unit: 2 });
     void queue.correct(id, { unit: 3 });
@@ -121,7 +122,7 @@ describe('imports', () => {
   });
   it('drops what is not stored', async () => {
     const { queue, asked } = make(() => ({ body: staged('i7') }));
-    await queue.add([new File(['x'], 'a.bvh')]);
+    await queue.add([file('a.bvh')]);
     queue.close();
     expect(asked[asked.length - 1]).toBe('api/import/drop/i7');
     expect(queue.state).toEqual({ open: false, items: [], shown: null });
