@@ -1,5 +1,6 @@
 // The search of two hulls from what the last query left: certified in motions of every size, at every distance, on degenerate hulls.
 
+#include "../allocations/allocation_count.h"
 #include "convex_oracles.h"
 #include "ugoki/collision/gilbert_width.h"
 #include "ugoki/collision/hull_leap.h"
@@ -178,6 +179,7 @@ TEST(HullLeap, FollowsBriskMotionOfBigHulls) {
     Mat3 R = Mat3::identity();
     GilbertCache cache;
     int leaps = 0, looks = 0;
+    long allocated = 0;
     for (int i = 0; i < 1000; ++i) {
       R = rotation_about({0.6, 0, 0.8}, 1.5 * pi / 180) * R;
       const double t = i * 0.015;
@@ -185,7 +187,10 @@ TEST(HullLeap, FollowsBriskMotionOfBigHulls) {
       GilbertCache tried = cache, cold;
       GilbertResult leapt;
       if (cache.trend.pace > brisk && HullLeap(a, A, b, B, tried, {}).run(leapt)) ++leaps;
-      const GilbertResult r = gilbert_distance(a, A, b, B, cache), anew = gilbert_distance(a, A, b, B, cold);
+      const long before = allocations_so_far();
+      const GilbertResult r = gilbert_distance(a, A, b, B, cache);
+      allocated += allocations_so_far() - before;
+      const GilbertResult anew = gilbert_distance(a, A, b, B, cold);
       ASSERT_EQ(r.status, GilbertStatus::separated);
       ASSERT_NEAR(r.distance, anew.distance, 1e-12);
       ASSERT_LE(test::certificate(a, A, b, B, r.distance, r.pa, r.pb, r.n), 1e-12);
@@ -193,6 +198,7 @@ TEST(HullLeap, FollowsBriskMotionOfBigHulls) {
     }
     EXPECT_GE(leaps, 900) << n << " vertices";
     EXPECT_LE(looks, 3300) << n << " vertices";
+    EXPECT_EQ(allocated, 0);
   }
 }
 
