@@ -37,10 +37,22 @@ static inline TwoLowest two_lowest_with_lanes(const Four& x, const Four& y) {
   return of;
 }
 
+#if defined(__AVX2__) && !defined(__AVX512VL__)
+/// Each lane's number modulo four as those of its two halves.
+static inline __m256i halves_of(const Four& named) {
+  const __m256i lanes = _mm256_and_si256(_mm256_shuffle_epi32((__m256i)named, 0xa0), _mm256_set1_epi32(3));
+  return _mm256_add_epi32(_mm256_slli_epi32(lanes, 1), _mm256_set_epi32(1, 0, 1, 0, 1, 0, 1, 0));
+}
+#endif
+
 /// In each lane that lane of x and y (eight) which `named` names there.
 static inline Four pick(const Four& x, const Four& y, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutex2var_pd((__m256d)x, (__m256i)named, (__m256d)y);
+#elif defined(__AVX2__)
+  const __m256i halves = halves_of(named), third_bit_first = _mm256_slli_epi64((__m256i)named, 61);
+  return (Four)_mm256_blendv_pd((__m256d)_mm256_permutevar8x32_ps((__m256)x, halves), (__m256d)_mm256_permutevar8x32_ps((__m256)y, halves),
+                                (__m256d)third_bit_first);
 #else
   const double both[8] = {x[0], x[1], x[2], x[3], y[0], y[1], y[2], y[3]};
   const FourInts i = (FourInts)named & all(std::int64_t{7});
@@ -51,6 +63,8 @@ static inline Four pick(const Four& x, const Four& y, const Four& named) {
 static inline Four take(const Four& x, const Four& named) {
 #if defined(__AVX512F__) && defined(__AVX512VL__)
   return (Four)_mm256_permutexvar_pd((__m256i)named, (__m256d)x);
+#elif defined(__AVX2__)
+  return (Four)_mm256_permutevar8x32_ps((__m256)x, halves_of(named));
 #else
   const double four[4] = {x[0], x[1], x[2], x[3]};
   return all(four[((FourInts)named)[0] & 3]);

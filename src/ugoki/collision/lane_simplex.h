@@ -7,7 +7,7 @@
 #include "ugoki/collision/hull_walk.h"
 #include "ugoki/collision/lanes_of_four.h"
 
-#if defined(__AVX512F__) && defined(__AVX512VL__)
+#ifdef __AVX2__
 #include <immintrin.h>
 #endif
 
