@@ -5,9 +5,11 @@
 #include <set>
 
 #include "allocation_count.h"
+#include "meshes.h"
 #include "random_shapes.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/collision/distance.h"
+#include "ugoki/collision/pair_distance.h"
 #include "ugoki/collision/scene.h"
 
 namespace ugoki::collision {
@@ -262,6 +264,47 @@ TEST(ContactShapes, AMeshWithAHoleLetsThroughWhatItsHullWouldNot) {
   ASSERT_GE(wall.count, 1);
   EXPECT_NEAR(least(wall), -0.005, 1e-6);
   for (const ManifoldPoint& q : points(wall)) EXPECT_LT(norm(q.n - Vec3{-1, 0, 0}), 1e-6);
+}
+
+/// On the sides and corners of a curved mesh as well, from outside and where it is pierced a little.
+TEST(ContactShapes, TheNearestPointOfACurvedMeshIsAContact) {
+  Random random(11);
+  const test::Mesh torus = test::bumpy_torus(1500);
+  const Collider mesh = make_collider(Shape::mesh(make_geometry(torus.vertices, torus.triangles, false, "torus").value()));
+  ManifoldWorkspace workspace;
+  DistanceWorkspace distances;
+  for (int i = 0; i < 3000; ++i) {
+    const double r = random.in(0.02, 0.2);
+    const Shape shapes[] = {Shape::sphere(r),
+                            Shape::box({r, 0.5 * r, 1.5 * r}),
+                            Shape::capsule(0.5 * r, {0, 0, -r}, {0, 0, r}),
+                            Shape::cylinder(r, 0.5 * r),
+                            Shape::ellipsoid({r, 0.6 * r, 0.8 * r}),
+                            box_hull({r, 0.7 * r, 0.4 * r})};
+    const Collider body = make_collider(shapes[i % 6]);
+    const Vec3 way = random.unit();
+    Pose X{random.pose(1).R, random.vec(0.5) - way * 3};
+    PairCache cache;
+    const double farthest = 1e9;
+    double distance = 1;
+    for (int k = 0; k < 200 && distance > 1e-6; ++k) {  // until it touches
+      distance = find_pair_distance(body, X, mesh, Pose{}, farthest, cache, distances).distance;
+      X.p += way * distance;
+    }
+    if (distance > 1e-6) continue;  // it has missed
+    const double in = r * random.in(-0.05, 0.02);
+    X.p += way * in;
+    distance = find_pair_distance(body, X, mesh, Pose{}, farthest, cache, distances).distance;
+    GilbertCache gilbert;
+    Manifold found;
+    find_manifold(body, X, mesh, Pose{}, 0.1, gilbert, workspace, found);
+    double least = 1e9;
+    for (int k = 0; k < found.count; ++k) least = std::min(least, found.points[static_cast<std::size_t>(k)].distance);
+    if (distance > 1e-9)
+      ASSERT_NEAR(least, distance, 1e-4 * r) << "case " << i << ", shape " << i % 6;
+    else
+      ASSERT_LE(least, 1e-9) << "case " << i << ", shape " << i % 6;
+  }
 }
 
 TEST(ContactShapes, OnTheGround) {

@@ -135,13 +135,12 @@ bool touches_from(const Surface& surface, const Surface::Facet& f, const Vec3& q
     const Surface::Facet other = surface.facet(next);
     // beyond the side the other triangle must fall away
     const Vec3 from = f.p[static_cast<std::size_t>(sides[0])];
-    double height = 0, far = 0;
+    double lowest = 0, far = 0;  // the least: clang 19 forgets the second fabs of "if (fabs(h) > fabs(height)) height = h" when it unrolls
     for (const Vec3& p : other.p) {
-      const double h = dot(f.n, p - from);
-      if (std::fabs(h) > std::fabs(height)) height = h;
+      lowest = std::min(lowest, dot(f.n, p - from));
       far = std::max(far, norm(p - from));
     }
-    return height < -aligned * far && between(f.n, other.n, n);
+    return lowest < -aligned * far && between(f.n, other.n, n);
   }
   const int corner = (sides[0] == 0 && sides[1] == 2) ? 0 : sides[1];
   bool least = true;

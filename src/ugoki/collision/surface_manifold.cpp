@@ -84,6 +84,36 @@ ManifoldWorkspace::ManifoldWorkspace() {
   pairs.resize(most_pairs);
 }
 
+namespace {
+
+/// What is contact in any case, where none of the triangles finds one for itself: the nearest pair of all, or where the shape goes through
+/// triangles, out of the plane of that behind which it lies least. Corners that pierce a triangle beside its side would leave it
+/// sideways, into the next.
+struct LastResort {
+  ManifoldPoint apart{{}, {}, 1e300, 0}, pierced{{}, {}, -1e300, 0};
+  double nearest = 1e300;  // m
+
+  void see(const Surface::Facet& f, bool closed, const SignedDistance& d, const Vec3& lowest, double height) {
+    const auto feature = mixed(11, static_cast<std::uint32_t>(f.index), 0, 0);
+    nearest = std::min(nearest, d.distance);
+    if (d.distance > 0) {
+      if (d.distance < apart.distance && (!closed || dot(d.n, f.n) > 0)) apart = {(d.pa + d.pb) * 0.5, d.n, d.distance, feature};
+    } else if (height > pierced.distance && height < 0) {
+      pierced = {lowest - f.n * (0.5 * height), f.n, height, feature};
+    }
+  }
+  void add_to(std::vector<ManifoldPoint>& points, double bias) const {
+    double least = 1e300;
+    for (const ManifoldPoint& p : points) least = std::min(least, p.distance);
+    if (nearest <= 0 ? least > 0 : least > nearest + bias) {
+      const ManifoldPoint& p = nearest <= 0 ? pierced : apart;
+      if (std::fabs(p.distance) < 1e300) points.push_back(p);
+    }
+  }
+};
+
+}  // namespace
+
 void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin, bool flip,
                         ManifoldWorkspace& work, Manifold& out) {
   const Pose X = X_WT.inverse() * X_WS;  // of a, in the surface's frame
@@ -98,6 +128,7 @@ void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, 
   options.farthest = margin;
   std::int32_t hint = 0;
   const double bias = 1e-4 * a.thickness;
+  LastResort last;
   for (const std::int32_t t : work.triangles) {
     const Surface::Facet f = surface.facet(t);
     const SupportPoint low = find_support(a.support, transpose_times(X.R, -f.n), hint);
@@ -109,6 +140,7 @@ void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, 
     const SignedDistance d = signed_distance(a.support, X, triangle, Pose{}, cache, work.penetration, options);
     if (d.status == DistanceStatus::beyond || d.status == DistanceStatus::not_finite || !(d.distance < margin)) continue;
     const double along = dot(d.n, f.n);
+    last.see(f, closed, d, X * low.p - f.n * a.support.radius, height);
     // Behind the triangle of a closed surface: back out through it, unless all of the body is behind.
     const bool behind = closed && along < -lies_on && d.distance < 0 && height > -2 * a.thickness;
     const bool flat = along > lies_on || (!closed && along < -lies_on);
@@ -124,6 +156,7 @@ void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, 
     if (touches && least > d.distance + bias)
       found.add((d.pa + d.pb) * 0.5, d.n, d.distance, mixed(11, static_cast<std::uint32_t>(t), 0, 0));
   }
+  last.add_to(work.points, bias);
   flip_points(work.points, X_WT, flip);
   add_spanning(work.points, bias, out);
 }
