@@ -138,6 +138,28 @@ TEST(Scale, ASpinningBodyKeepsItsEnergyAndMomentum) {
   EXPECT_NEAR(energy(), before, 1e-9 * before);
 }
 
+/// Its frame is away from its centre, and goes round it by radians in a step.
+TEST(Scale, ABodyThatSpinsFastAboutAnotherPointThanItsFrameKeepsItsMomentum) {
+  StepperOptions options;
+  options.gravity = {};
+  for (const double spin : {40.0, 300.0, 5000.0}) {
+    World w({body("box", Shape::box({0.02, 0.05, 0.05}, {Mat3::identity(), {0.1, 0.2, 0}}), 800)}, {-1e9, 0, 0}, options);
+    State& s = w.states[0];
+    s.v[0] = spin;
+    s.v[3] = 3;
+    const Vec3 c{0.1, 0.2, 0};
+    const auto of_centre = [&] {
+      Pose X;
+      calc_poses(w.stepper.mechanism(0), s.q, {&X, 1});
+      return Vec3{s.v[3], s.v[4], s.v[5]} + X.R * cross(Vec3{s.v[0], s.v[1], s.v[2]}, c);
+    };
+    const Vec3 before = of_centre();
+    for (int i = 0; i < 200; ++i) ASSERT_EQ(w.step(1.0 / 60).status, StepStatus::ok) << spin;
+    EXPECT_LT(norm(of_centre() - before), 1e-9 * spin) << spin;
+    EXPECT_NEAR(s.v[0], spin, 1e-9 * spin);
+  }
+}
+
 World heap(int count, unsigned seed) {
   testing::RandomSource random(seed);
   std::vector<MechanismPtr> bodies;

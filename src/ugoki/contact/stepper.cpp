@@ -46,6 +46,16 @@ Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
   return (solved ? moment : Vec3{}) - cross(w, M * w);
 }
 
+/// What a free body's bias has to change by where it turns by more than half a radian in a step and its frame is not at its centre: the
+/// force that carries the frame round the centre is then taken as its mean over the step, or the frame would fly off along its tangent.
+/// @return moment and force in the body's axes
+Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
+  if (!(dt * norm(w) > 0.5) || !(body.mass > 0)) return {};
+  const Vec3 c = body.h / body.mass, turned = to_matrix(exp_map(w * dt)) * c;
+  const Vec3 force = cross(w, turned - c) * (body.mass / dt) - cross(w, cross(w, body.h));
+  return {cross(c, force), force};
+}
+
 }  // namespace
 
 Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& options) : mechanisms_(std::move(systems)), options_(options) {
@@ -108,8 +118,15 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
   dynamics::calc_inverse_dynamics(m, ws, {}, options_.gravity, system.external, x.free_v);
   if (x.free_body) {
-    const Vec3 change = gyroscopic_correction(m.link(0).inertia.about_centre(), {x.v[0], x.v[1], x.v[2]}, dt);
-    for (int k = 0; k < 3; ++k) x.free_v[static_cast<std::size_t>(k)] += change[k];
+    const Vec3 w{x.v[0], x.v[1], x.v[2]};
+    const Link& link = m.link(0);
+    const Vec6 carried = centripetal_correction(link.inertia, w, dt);
+    const Vec3 moment = gyroscopic_correction(link.inertia.about_centre(), w, dt) + carried.w;
+    const Vec3 force = transpose_times(link.joint.X_PJ.R, ws.X_WB[0].R * carried.v);
+    for (std::size_t k = 0; k < 3; ++k) {
+      x.free_v[k] += moment[static_cast<int>(k)];
+      x.free_v[k + 3] += force[static_cast<int>(k)];
+    }
   }
   for (std::size_t i = 0; i < n; ++i) {
     const Freedom& f = ws.freedoms[i];
