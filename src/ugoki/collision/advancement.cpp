@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ugoki/base/check.h"
+#include "ugoki/collision/core.h"
 #include "ugoki/mechanism/state.h"
 
 namespace ugoki::collision {
@@ -81,19 +82,6 @@ Mover without_spin(const Mover& m) {
   out.w = m.w - axis * dot(axis, m.w);
   out.alpha = m.alpha + norm(m.w) * norm(out.w);
   return out;
-}
-
-/// Half of the least distance of two parallel planes that hold it; of a hull, of those along its faces.
-double half_width_of(const Collider& c) {
-  if (c.support.kind != SupportKind::hull || c.support.hull == nullptr) return c.thickness;
-  double least = c.thickness;
-  const Hull& hull = *c.support.hull;
-  for (std::size_t f = 0; f < hull.normals.size(); ++f) {
-    double low = hull.offsets[f];
-    for (const Vec3& v : hull.vertices) low = std::min(low, dot(hull.normals[f], v));
-    least = std::min(least, 0.5 * (hull.offsets[f] - low) + c.support.radius);
-  }
-  return least;
 }
 
 }  // namespace
@@ -362,6 +350,35 @@ bool ImpactSearch::passes(Candidate& c, double end, double dt) {
   return true;  // not known to be safe any longer
 }
 
+/// The core of the one that is convex touches the other's surface.
+bool ImpactSearch::core_touches(Candidate& c, double end, double dt) {
+  constexpr int most_looks = 20000;
+  const SceneShape &sa = scene_.shapes()[static_cast<std::size_t>(c.a)], &sb = scene_.shapes()[static_cast<std::size_t>(c.b)];
+  const Core* const core = (sa.convex ? sa : sb).core.get();
+  if (core == nullptr) return false;
+  const double depth = core->depth;
+  double tolerance = 0.1 * depth;  // it stops before it touches, so that the next step knows the side
+  for (int look = 0; look < most_looks; ++look) {
+    const Moving at_a = moving(c.a, c.time), at_b = moving(c.b, c.time);
+    const Mover a =
+        without_spin({sa.convex ? core->collider : static_cast<const Collider&>(sa), at_a.X_WS, at_a.v, at_a.w, at_a.a, at_a.alpha});
+    const Mover b =
+        without_spin({sb.convex ? core->collider : static_cast<const Collider&>(sb), at_b.X_WS, at_b.v, at_b.w, at_b.a, at_b.alpha});
+    if (c.time == 0 && approach_of(a, b, nullptr).within(dt) < 0.02 * depth) return false;
+    Look near = look_at(a, b, dt - c.time, tolerance, c.cache, workspace_);
+    if (c.time == 0 && near.known && !(near.safe > 0)) {
+      tolerance = 0.5 * near.near.lower;
+      if (!(tolerance > 1e-9 * depth)) return false;  // what was deep already may stay so
+      near = look_at(a, b, dt, tolerance, c.cache, workspace_);
+    }
+    if (!near.known || near.safe == infinity) return false;
+    if (!(near.safe > 0)) return true;
+    c.time += near.safe;
+    if (c.time >= end) return false;
+  }
+  return true;  // not known to be safe any longer
+}
+
 SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, double dt) {
   UGOKI_CHECK(systems.size() == systems_.size());
   motions_ = systems;
@@ -371,8 +388,9 @@ SceneImpact ImpactSearch::find_passage(std::span<const SystemMotion> systems, do
   out.time = dt;
   for (Candidate& c : candidates_) {
     if (c.b < 0) continue;
-    if (!scene_.shapes()[static_cast<std::size_t>(c.a)].convex || !scene_.shapes()[static_cast<std::size_t>(c.b)].convex) continue;
-    if (!passes(c, out.time, dt)) continue;
+    const int convex =
+        (scene_.shapes()[static_cast<std::size_t>(c.a)].convex ? 1 : 0) + (scene_.shapes()[static_cast<std::size_t>(c.b)].convex ? 1 : 0);
+    if (convex == 0 || !(convex == 2 ? passes(c, out.time, dt) : core_touches(c, out.time, dt))) continue;
     out = make_impact(c, {}, ImpactStatus::impact);
   }
   return out;

@@ -83,7 +83,7 @@ class ImpactSearch {
 
   /// Whether anything gets so deep into anything else within the step that it may come out on the other side: deeper than half of what
   /// both are thick, whatever they were at the beginning. Where no pair moves that far, O(links). The ground, which has no other side, and
-  /// pairs of which one is not convex are left out.
+  /// pairs that are both not convex are left out; where one is, the core of the other must not reach its surface (core.h).
   /// @return status impact and the time [s] until which nothing was as deep; none, and the length of the step
   [[nodiscard]] SceneImpact find_passage(std::span<const SystemMotion> systems, double dt);
 
@@ -120,6 +120,7 @@ class ImpactSearch {
   void prepare(std::size_t system, const SystemMotion& motion, double dt);
   void prepare_all(double dt, double least_way);
   bool passes(Candidate& c, double end, double dt);
+  bool core_touches(Candidate& c, double end, double dt);
   void move_to(std::size_t system, double time);
   [[nodiscard]] Moving moving(int shape, double time);
   void find_candidates();

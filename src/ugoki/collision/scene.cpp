@@ -6,6 +6,7 @@
 #include "ugoki/base/check.h"
 #include "ugoki/base/hash.h"
 #include "ugoki/collision/broad_phase.h"
+#include "ugoki/collision/core.h"
 #include "ugoki/collision/distance.h"
 #include "ugoki/mechanism/state.h"
 
@@ -97,6 +98,9 @@ Scene::Scene(std::vector<MechanismPtr> systems, const Ground& ground, const Scen
     }
   }
   first_shape_.push_back(static_cast<int>(shapes_.size()));
+  if (std::ranges::any_of(shapes_, [](const SceneShape& s) { return !s.convex; }))
+    for (SceneShape& s : shapes_)
+      if (s.convex) s.core = make_core(s);
   Hash64 content;
   for (const SceneShape& s : shapes_) {
     content.add((static_cast<std::uint64_t>(s.system) << 8) | static_cast<std::uint64_t>(s.shape.type));

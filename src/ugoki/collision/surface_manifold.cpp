@@ -3,11 +3,13 @@
 #include <algorithm>
 
 #include "ugoki/collision/clipping.h"
+#include "ugoki/collision/core.h"
 
 namespace ugoki::collision {
 namespace {
 
 constexpr std::size_t most_points = 4096, most_pairs = 2048;
+constexpr double deep_in = 0.02;    // of the thickness
 constexpr double lies_on = 0.9998;  // cosine of about a degree: closer to the normal than this it lies on the triangle
 
 void set_triangle(Hull& hull, const Surface::Facet& f) {
@@ -112,6 +114,20 @@ struct LastResort {
   }
 };
 
+/// How deep the shape is where its core is nearest to the surface: right where triangles one by one do not tell, and on the right side of a
+/// wall that is thinner than the shape.
+void add_contact_of_core(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double bias, ManifoldWorkspace& work) {
+  ConvexMeshCache cache;
+  const BubbleDistance d =
+      find_distance(a.core->collider.support, X_WS, b.prepared->spheres, X_WT, cache, work.of_core, {.farthest = a.core->depth});
+  if (d.status != BubbleStatus::separated) return;
+  const double depth = d.distance - a.core->depth;
+  for (const ManifoldPoint& p : work.points)
+    if (p.distance < depth + bias) return;
+  const Vec3 n = transpose_times(X_WT.R, d.n);
+  work.points.push_back({X_WT.inverse() * d.pb - n * (0.5 * depth), n, depth, mixed(19, static_cast<std::uint32_t>(d.nearest.b), 0, 0)});
+}
+
 }  // namespace
 
 void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, const Pose& X_WT, double margin, bool flip,
@@ -157,6 +173,7 @@ void add_convex_surface(const Collider& a, const Pose& X_WS, const Collider& b, 
       found.add((d.pa + d.pb) * 0.5, d.n, d.distance, mixed(11, static_cast<std::uint32_t>(t), 0, 0));
   }
   last.add_to(work.points, bias);
+  if (last.nearest < -deep_in * a.thickness && a.core != nullptr && b.prepared) add_contact_of_core(a, X_WS, b, X_WT, bias, work);
   flip_points(work.points, X_WT, flip);
   add_spanning(work.points, bias, out);
 }

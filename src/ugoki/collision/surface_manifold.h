@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "ugoki/collision/bubble.h"
+#include "ugoki/collision/convex_mesh.h"
 #include "ugoki/collision/manifold.h"
 #include "ugoki/collision/penetration.h"
 #include "ugoki/collision/surface.h"
@@ -14,6 +15,7 @@ namespace ugoki::collision {
 struct ManifoldWorkspace {
   PenetrationWorkspace penetration;
   BubbleWorkspace bubble;
+  ConvexMeshWorkspace of_core;
   Hull triangle;  ///< one triangle as a flat hull, its corners set anew for each
   std::vector<std::int32_t> stack, triangles;
   std::vector<ManifoldPoint> points;

@@ -96,9 +96,16 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
   bool added = false;
   for (collision::ContactPoint& c : found_) {
     // What was deep at the beginning is being pushed out, at its own speed.
-    double before = 0;
-    for (const collision::ContactPoint& g : given)
-      if (((g.key ^ c.key) & ~feature_mask) == 0) before = std::min(before, g.distance);
+    double before = 0, along = -1;
+    bool known = false;
+    for (const collision::ContactPoint& g : given) {
+      if (((g.key ^ c.key) & ~feature_mask) != 0) continue;
+      before = std::min(before, g.distance);
+      along = std::max(along, dot(g.n, c.n));
+      known = true;
+    }
+    // What has gone through a thin wall that is not convex is not pushed on through it.
+    if (known && along < -0.5 && c.distance < -too_deep && !is_convex_pair(c)) continue;
     if (c.distance > before - (before < -options_.depth ? 0.02 : 0.25) * options_.depth) continue;
     depth_ = std::max(depth_, -c.distance);
     if (passes_ == options_.passes) continue;
@@ -127,6 +134,11 @@ bool GuardedStep::add_overlaps(std::span<const collision::ContactPoint> given, d
     added = true;
   }
   return added;
+}
+
+bool GuardedStep::is_convex_pair(const collision::ContactPoint& c) const {
+  const auto convex = [&](int bits) { return scene_->shapes()[static_cast<std::size_t>(c.key >> bits) & shape_mask].convex; };
+  return c.system_b < 0 || (convex(44) && convex(24));
 }
 
 /// Shapes whose depth, not their distance, is expensive.

@@ -64,6 +64,7 @@ class GuardedStep {
   void stop_at(std::span<const StepSystem> systems, double time);
   void add_forces(double part);
   [[nodiscard]] bool needs_gap(const collision::ContactPoint& c) const;
+  [[nodiscard]] bool is_convex_pair(const collision::ContactPoint& c) const;
   void move(std::span<const StepSystem> systems);
   bool add_overlaps(std::span<const collision::ContactPoint> given, double dt);
 

@@ -1,0 +1,47 @@
+#pragma once
+// A world of fast things without gravity, for the tests that nothing passes anything.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "ugoki/contact/guarded_step.h"
+#include "world.h"
+
+namespace ugoki::contact {
+
+/// Steps as the LSIs do: contacts by distance, those of fast things, the guarded step.
+struct Fast {
+  World w;
+  SweptContacts swept;
+  GuardedStep guard;
+  std::vector<collision::SystemMotion> motions;
+
+  static StepperOptions weightless() {
+    StepperOptions options;
+    options.gravity = {};
+    return options;
+  }
+  explicit Fast(const std::vector<MechanismPtr>& bodies)
+      : w(bodies, {-1000, 0, 0}, weightless()), swept(w.scene), guard(w.scene, w.stepper) {}
+  void step(double dt) {
+    w.find();
+    motions.clear();
+    for (State& s : w.states) motions.push_back({s.q, s.v});
+    swept.add(motions, w.spans, dt, 0.02, w.contacts);
+    ASSERT_EQ(guard.step(w.systems, w.contacts, dt).status, StepStatus::ok);
+  }
+  /// A plate that turns by radians in a step may have any side anywhere afterwards.
+  [[nodiscard]] bool turns_little(std::size_t s, double dt) const {
+    const std::vector<double>& v = w.states[s].v;
+    return v.size() < 6 || dt * norm(Vec3{v[0], v[1], v[2]}) < 1;
+  }
+  [[nodiscard]] Pose pose(std::size_t s) {
+    Pose X;
+    calc_poses(w.stepper.mechanism(static_cast<int>(s)), w.states[s].q, {&X, 1});
+    return X;
+  }
+};
+
+}  // namespace ugoki::contact
