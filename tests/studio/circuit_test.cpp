@@ -85,7 +85,13 @@ class CircuitStudioTest : public testing::Test {
     std::string name = (std::filesystem::temp_directory_path() / "ugoki-circuit-XXXXXX").string();
     ASSERT_NE(::mkdtemp(name.data()), nullptr);
     folder_ = name;
-    auto project = project::Project::create(folder_ + "/park.ugoki", content::testing::make_scenario(), content::testing::make_resources());
+    start(project::Project::create(folder_ + "/park.ugoki", content::testing::make_scenario(), content::testing::make_resources()));
+  }
+  void restart(const std::string& name) {
+    studio_.reset();
+    start(project::Project::open(folder_ + name));
+  }
+  void start(Result<project::Project> project) {
     ASSERT_TRUE(project) << project.error().text();
     StudioOptions options;
     options.library_path = folder_ + "/library.db";
@@ -307,6 +313,48 @@ TEST_F(CircuitStudioTest, ARunStopsAtTheTickThatMeetsABreakpointAndGoesOn) {
   ASSERT_EQ(p.ask({{"op", "restart"}})["ok"], true);
   ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
   EXPECT_FALSE(p.event("transport", [&](const json& e) { return e["playing"] == true && e["time"] > 0.6; }).is_null());
+}
+
+TEST_F(CircuitStudioTest, BreakpointsAreThereAfterARestartAndInACopy) {
+  const json list = {{{"condition", "k.time > 0.3"}}, {{"condition", "g.out[0] < 0"}, {"on", false}}};
+  json told;
+  {
+    Page p = page();
+    (void)p.ask({{"op", "hello"}});
+    ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
+    ASSERT_EQ(p.ask({{"op", "breakpoints"}, {"list", list}})["ok"], true);
+    told = p.ask({{"op", "hello"}})["breakpoints"];
+    ASSERT_EQ(told.size(), 2u);
+    EXPECT_EQ(p.ask({{"op", "save"}, {"path", folder_ + "/copy.ugoki"}})["ok"], true);
+  }
+  for (const char* name : {"/park.ugoki", "/copy.ugoki"}) {
+    restart(name);
+    Page p = page();
+    EXPECT_EQ(p.ask({{"op", "hello"}})["breakpoints"], told) << name;
+    ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+    ASSERT_EQ(p.ask({{"op", "play"}})["ok"], true);
+    EXPECT_EQ(p.event("breakpoint")["condition"], "k.time > 0.3");
+    ASSERT_EQ(p.ask({{"op", "breakpoints"}, {"list", json::array()}})["ok"], true);
+  }
+  restart("/park.ugoki");
+  EXPECT_EQ(page().ask({{"op", "hello"}})["breakpoints"], json::array());
+}
+
+TEST_F(CircuitStudioTest, BreakpointsThatCannotBeReadAreLeftOut) {
+  studio_.reset();
+  for (const char* text : {"no list", "{}", R"([{"condition": "k.time ? 1"}])", "[1]"}) {
+    {
+      Result<project::Project> project = project::Project::open(folder_ + "/park.ugoki");
+      ASSERT_TRUE(project);
+      ASSERT_TRUE(project->keep("breakpoints", text));
+      EXPECT_EQ(*project->kept("breakpoints"), text);
+      EXPECT_FALSE(project->unsaved());
+      EXPECT_FALSE(project->can_undo());
+    }
+    restart("/park.ugoki");
+    EXPECT_EQ(page().ask({{"op", "hello"}})["breakpoints"], json::array()) << text;
+    studio_.reset();
+  }
 }
 
 TEST_F(CircuitStudioTest, ARecordedKeyMeetsABreakpointAtTheSameTickWhenItIsComputedAgain) {

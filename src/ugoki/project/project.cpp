@@ -401,6 +401,16 @@ Result<void> Project::save_as(const std::string& path, bool overwrite) {
   return {};
 }
 
+Result<std::string> Project::kept(std::string_view name) const {
+  Result<std::optional<std::string>> found = body_->file.find_property("kept/" + std::string(name));
+  if (!found) return fail(std::move(found.error()));
+  return std::move(*found).value_or("");
+}
+
+Result<void> Project::keep(std::string_view name, std::string_view text) {
+  return body_->in_transaction([&] { return body_->file.set_property("kept/" + std::string(name), text); });
+}
+
 Result<void> Project::add_resource(std::string_view id, std::string_view kind, std::span<const std::byte> data) {
   if (body_->has(id)) return {};
   Result<Loaded> resource = load(id, kind, {data.begin(), data.end()}, std::string(kind) + " " + std::string(id));

@@ -72,6 +72,11 @@ class Project {
   /// Fetches a library entry by id into the project, if the project lacks it.
   [[nodiscard]] Result<void> adopt(std::string_view id, const store::Library& library);
 
+  /// What a program keeps beside the document (the studio its breakpoints): on the disk at once, no part of the history and of what is
+  /// generated. Copies take it along. Empty where nothing was kept.
+  [[nodiscard]] Result<std::string> kept(std::string_view name) const;
+  [[nodiscard]] Result<void> keep(std::string_view name, std::string_view text);
+
   /// Executable data (*.ugx) of the document as it is.
   [[nodiscard]] Result<std::vector<std::byte>> generate() const;
 

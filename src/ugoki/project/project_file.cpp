@@ -94,15 +94,21 @@ Result<ProjectFile> ProjectFile::open(const std::string& path, bool read_only) {
   return ProjectFile(std::move(*database));
 }
 
-Result<std::string> ProjectFile::property(std::string_view name) {
+Result<std::optional<std::string>> ProjectFile::find_property(std::string_view name) {
   Result<store::Statement> row = database_.prepare("SELECT value FROM property WHERE name = ?1");
   if (!row) return fail(std::move(row.error()));
   const Result<bool> found = row->bind(1, name).step();
   if (!found) return fail(found.error());
+  return *found ? std::optional(row->text(0)) : std::nullopt;
+}
+
+Result<std::string> ProjectFile::property(std::string_view name) {
+  Result<std::optional<std::string>> found = find_property(name);
+  if (!found) return fail(std::move(found.error()));
   if (!*found)
     return fail(ErrorCode::structure, path(), "The project lacks its " + std::string(name) + ".",
                 "Restore it from a copy; it was left as it is.");
-  return row->text(0);
+  return std::move(**found);
 }
 
 Result<void> ProjectFile::set_property(std::string_view name, std::string_view value) {

@@ -2,6 +2,7 @@
 // The tables of an integration file. Internal to project. Layout: docs/files.md.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,7 @@ class ProjectFile {
   [[nodiscard]] static Result<ProjectFile> open(const std::string& path, bool read_only);
 
   [[nodiscard]] Result<std::string> property(std::string_view name);
+  [[nodiscard]] Result<std::optional<std::string>> find_property(std::string_view name);
   [[nodiscard]] Result<void> set_property(std::string_view name, std::string_view value);
   /// Every resource, its data checked.
   [[nodiscard]] Result<std::vector<ResourceRow>> resources();

@@ -71,6 +71,7 @@ Session::~Session() = default;
 
 void Session::start() {
   listed_ = used_motions();
+  restore_breakpoints();
   generate();
   if (Result<void> r = ensure_interpreter(); !r) log("error", r.error().text());
 }

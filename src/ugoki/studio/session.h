@@ -95,6 +95,8 @@ class Session {
   [[nodiscard]] std::string choices() const;
   [[nodiscard]] Result<std::string> remember(const Request& request) const;
   [[nodiscard]] Result<std::string> set_breakpoints(const Request& request);  // session_breakpoints.cpp
+  [[nodiscard]] Result<void> take_breakpoints(const Request& request);
+  void restore_breakpoints();
   [[nodiscard]] Result<void> check_transport(const Request& request) const;
   [[nodiscard]] Result<void> forward(const Request& request);
 

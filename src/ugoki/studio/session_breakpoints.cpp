@@ -1,4 +1,4 @@
-// Breakpoints of the open project's circuit: all pages share them, and each new interpreter gets them.
+// Breakpoints of the open project's circuit: all pages share them, each new interpreter gets them, and the project's file keeps them.
 
 #include "ugoki/circuit/breakpoint.h"
 #include "ugoki/studio/session_request.h"
@@ -7,7 +7,7 @@ namespace ugoki::studio {
 
 using json::Json;
 
-Result<std::string> Session::set_breakpoints(const Request& request) {
+Result<void> Session::take_breakpoints(const Request& request) {
   constexpr std::size_t most = 100;
   const auto list = request.json.find("list");
   if (list == request.json.end() || !list->is_array() || list->size() > most)
@@ -31,9 +31,24 @@ Result<std::string> Session::set_breakpoints(const Request& request) {
   }
   breakpoints_ = json::to_text(kept);
   breakpoints_request_ = json::to_text({{"op", "breakpoints"}, {"conditions", conditions}});
+  return {};
+}
+
+Result<std::string> Session::set_breakpoints(const Request& request) {
+  if (Result<void> taken = take_breakpoints(request); !taken) return fail(std::move(taken.error()));
   send_to_interpreter(breakpoints_request_, {}, {});
   outbox_.broadcast("{\"event\":\"breakpoints\",\"list\":" + breakpoints_ + "}");
+  if (Result<void> kept = project_.keep("breakpoints", breakpoints_); !kept)
+    log("warning", "The breakpoints will be gone when the studio is closed: " + kept.error().text());
   return "";
+}
+
+void Session::restore_breakpoints() {
+  const Result<std::string> kept = project_.kept("breakpoints");
+  if (!kept || kept->empty()) return;
+  Request request;
+  if (Result<Json> list = json::parse_json(*kept, "breakpoints")) request.json = {{"list", std::move(*list)}};
+  if (!request.json.is_object() || !take_breakpoints(request)) log("warning", "The project's breakpoints cannot be read; set them anew.");
 }
 
 }  // namespace ugoki::studio
