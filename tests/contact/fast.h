@@ -6,10 +6,25 @@
 #include <cmath>
 #include <vector>
 
+#include "../dynamics/random_mechanism.h"
 #include "ugoki/contact/guarded_step.h"
+#include "ugoki/geometry/prepare.h"
 #include "world.h"
 
 namespace ugoki::contact {
+
+/// A ball, box, capsule, cylinder, ellipsoid or hull of some `r` [m].
+inline Shape any_shape(testing::RandomSource& random, double r) {
+  std::vector<Vec3> points;
+  for (int k = 0; k < 16; ++k) points.push_back(random.direction() * (2 * r));
+  const Shape shapes[] = {Shape::sphere(r),
+                          Shape::box({r, 0.6 * r, 2 * r}),
+                          Shape::capsule(0.5 * r, {0, 0, -2 * r}, {0, 0, 2 * r}),
+                          Shape::cylinder(r, 0.5 * r),
+                          Shape::ellipsoid({r, 0.5 * r, 1.5 * r}),
+                          Shape::mesh(geometry::make_hull_geometry(points, "hull").value())};
+  return shapes[random.below(6)];
+}
 
 /// Steps as the LSIs do: contacts by distance, those of fast things, the guarded step.
 struct Fast {

@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-#include "../dynamics/random_mechanism.h"
 #include "fast.h"
-#include "ugoki/geometry/prepare.h"
 
 namespace ugoki::contact {
 namespace {
@@ -73,15 +71,7 @@ int passages_of_random_bodies(int count, unsigned seed) {
   int passed = 0;
   for (int i = 0; i < count; ++i) {
     const double r = random.uniform(0.005, 0.05), thick = random.uniform(0.001, 0.01), speed = random.uniform(20, 500);
-    std::vector<Vec3> points;
-    for (int k = 0; k < 16; ++k) points.push_back(random.direction() * (2 * r));
-    const Shape shapes[] = {Shape::sphere(r),
-                            Shape::box({r, 0.6 * r, 2 * r}),
-                            Shape::capsule(0.5 * r, {0, 0, -2 * r}, {0, 0, 2 * r}),
-                            Shape::cylinder(r, 0.5 * r),
-                            Shape::ellipsoid({r, 0.5 * r, 1.5 * r}),
-                            Shape::mesh(geometry::make_hull_geometry(points, "hull").value())};
-    Shape shape = shapes[random.below(6)], sheet = Shape::box({thick / 2, 0.5, 0.5});
+    Shape shape = any_shape(random, r), sheet = Shape::box({thick / 2, 0.5, 0.5});
     shape.restitution = random.below(2) == 0 ? 0 : random.uniform(0, 1);
     const bool fixed = random.below(4) == 0;
     MechanismSpec wall = body("plate", sheet, random.uniform(500, 8000))->spec();

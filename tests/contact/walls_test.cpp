@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 
-#include "../dynamics/random_mechanism.h"
 #include "fast.h"
 #include "ugoki/geometry/prepare.h"
 
@@ -136,16 +135,7 @@ Count throw_at_walls(Wall kind, int count, unsigned seed, bool only_fixed = fals
   Count out;
   for (int i = 0; i < count; ++i) {
     const double r = random.uniform(0.005, 0.04), thick = random.uniform(0.001, 0.01), speed = std::pow(10.0, random.uniform(1.5, 3));
-    std::vector<Vec3> points;
-    for (int k = 0; k < 16; ++k) points.push_back(random.direction() * (2 * r));
-    const Shape shapes[] = {Shape::sphere(r),
-                            Shape::box({r, 0.6 * r, 2 * r}),
-                            Shape::capsule(0.5 * r, {0, 0, -2 * r}, {0, 0, 2 * r}),
-                            Shape::cylinder(r, 0.5 * r),
-                            Shape::ellipsoid({r, 0.5 * r, 1.5 * r}),
-                            Shape::mesh(geometry::make_hull_geometry(points, "hull").value())};
-    const int which = random.below(6);
-    Shape shape = shapes[which];
+    Shape shape = any_shape(random, r);
     const Made wall = make_wall(kind, thick);
     Shape sheet = wall.shape;
     shape.restitution = random.below(2) == 0 ? 0 : random.uniform(0, 1);
@@ -189,7 +179,7 @@ Count throw_at_walls(Wall kind, int count, unsigned seed, bool only_fixed = fals
       ++out.checked;
       if (now * from > 0 || std::fabs(now) < 0.002) continue;
       ++out.passed;
-      ADD_FAILURE() << "wall " << static_cast<int>(kind) << " of seed " << seed << ", case " << i << ": shape " << which
+      ADD_FAILURE() << "wall " << static_cast<int>(kind) << " of seed " << seed << ", case " << i << ": " << name_of(shape.type)
                     << " passed in step " << k << " of " << dt << " s, " << f.guard.parts() << " parts";
       break;
     }
