@@ -8,7 +8,8 @@ target_compile_options(ugoki_settings INTERFACE
   -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   -ffp-contract=off                                  # the same bits on every compiler and machine
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> # false alarms of g++ 12 at -O3
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-dangling-else> # "if (x) EXPECT_..." of GoogleTest
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-dangling-else>       # "if (x) EXPECT_..." of GoogleTest
+  $<$<CXX_COMPILER_ID:GNU>:-fPIC> $<$<CXX_COMPILER_ID:GNU>:-fno-semantic-interposition>  # modules become part of exported FMUs; clang needs no word
 )
 if(UGOKI_SANITIZE)
   target_compile_options(ugoki_settings INTERFACE -fsanitize=${UGOKI_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

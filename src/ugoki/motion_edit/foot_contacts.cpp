@@ -80,7 +80,7 @@ double find_ground(const Mechanism& m, const Motion& motion, std::span<const Foo
   }
   if (moments.empty()) return 0;
   std::sort(moments.begin(), moments.end(), [](const Moment& a, const Moment& b) { return a.speed < b.speed; });
-  moments.resize(std::max<std::size_t>(1, moments.size() / 4));
+  moments.erase(moments.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(1, moments.size() / 4)), moments.end());
   const auto middle = moments.begin() + static_cast<std::ptrdiff_t>(moments.size() / 2);
   std::nth_element(moments.begin(), middle, moments.end(), [](const Moment& a, const Moment& b) { return a.low < b.low; });
   return middle->low;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "ugoki/base/number.h"
@@ -120,8 +121,9 @@ Result<std::string> find_compiler(bool cpp, const std::string& wanted) {
     if (!path.empty()) return path;
     return fail(ErrorCode::io, "--compiler", "There is no program '" + wanted + "'.", "Name a C or C++ compiler that is installed.");
   }
-  for (const char* name : cpp ? std::initializer_list<const char*>{"clang++-19", "clang++", "g++"}
-                              : std::initializer_list<const char*>{"clang-19", "clang", "gcc"})
+  using Names = std::array<const char*, 3>;
+  const Names names = cpp ? Names{"clang++-19", "clang++", "g++"} : Names{"clang-19", "clang", "gcc"};
+  for (const char* name : names)
     if (const std::string path = find_program(name); !path.empty()) return path;
   return fail(ErrorCode::io, "compiler", std::string("No compiler for ") + (cpp ? "C++" : "C") + " was found.",
               "Install one, on Debian as root: apt-get install clang-19 (or gcc g++).");

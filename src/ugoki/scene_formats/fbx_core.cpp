@@ -1,6 +1,7 @@
 #include "ugoki/scene_formats/fbx_core.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -13,6 +14,10 @@ namespace ugoki::scene_formats {
 namespace {
 
 using Names = std::initializer_list<std::string_view>;
+template <class Range>
+bool one_of(std::string_view name, const Range& names) {
+  return std::ranges::find(names, name) != names.end();
+}
 bool one_of(std::string_view name, Names names) { return std::ranges::find(names, name) != names.end(); }
 
 constexpr double most = 1e30;                                   ///< of a number: what comes out is looked at again
@@ -209,15 +214,15 @@ class Core {
     const FbxRecord* settings = file_.root().child("GlobalSettings");
     if (!settings) return;
     out_.begin("GlobalSettings");
-    write_properties(*settings, {"UpAxis", "UpAxisSign", "FrontAxis", "FrontAxisSign", "CoordAxis", "CoordAxisSign", "UnitScaleFactor",
-                                 "OriginalUnitScaleFactor", "TimeMode", "TimeSpanStart", "TimeSpanStop", "CustomFrameRate"});
+    write_properties(*settings, Names{"UpAxis", "UpAxisSign", "FrontAxis", "FrontAxisSign", "CoordAxis", "CoordAxisSign", "UnitScaleFactor",
+                                      "OriginalUnitScaleFactor", "TimeMode", "TimeSpanStart", "TimeSpanStop", "CustomFrameRate"});
     out_.end();
   }
 
-  static constexpr Names model_properties = {"Lcl Translation",   "Lcl Rotation",     "Lcl Scaling",   "PreRotation",
-                                             "PostRotation",      "RotationOffset",   "RotationPivot", "ScalingOffset",
-                                             "ScalingPivot",      "RotationOrder",    "InheritType",   "GeometricTranslation",
-                                             "GeometricRotation", "GeometricScaling", "RotationActive"};
+  static constexpr std::array<std::string_view, 15> model_properties = {
+      "Lcl Translation", "Lcl Rotation",         "Lcl Scaling",       "PreRotation",      "PostRotation",
+      "RotationOffset",  "RotationPivot",        "ScalingOffset",     "ScalingPivot",     "RotationOrder",
+      "InheritType",     "GeometricTranslation", "GeometricRotation", "GeometricScaling", "RotationActive"};
 
   /// What models have that do not say otherwise.
   void write_definitions() {
@@ -249,8 +254,8 @@ class Core {
       case Kind::model: write_properties(*object.record, model_properties); break;
       case Kind::mesh: write_triangle(); break;
       case Kind::cluster: write_cluster(); break;
-      case Kind::stack: write_properties(*object.record, {"LocalStart", "LocalStop", "ReferenceStart", "ReferenceStop"}); break;
-      case Kind::curve_node: write_properties(*object.record, {"d", "d|X", "d|Y", "d|Z"}); break;
+      case Kind::stack: write_properties(*object.record, Names{"LocalStart", "LocalStop", "ReferenceStart", "ReferenceStop"}); break;
+      case Kind::curve_node: write_properties(*object.record, Names{"d", "d|X", "d|Y", "d|Z"}); break;
       case Kind::curve:
         write_array("KeyTime", 'l', object.times);
         write_array("KeyValueFloat", 'f', object.values);
@@ -280,7 +285,8 @@ class Core {
   }
 
   /// Those of these names that have the numbers that their type tells.
-  void write_properties(const FbxRecord& record, Names names) {
+  template <class Range>
+  void write_properties(const FbxRecord& record, const Range& names) {
     out_.begin("Properties70");
     out_.scope();
     if (const FbxRecord* all = record.child("Properties70"))
