@@ -74,11 +74,11 @@ class Export : public FmiTest, public ::testing::WithParamInterface<int> {
   }
   std::string binary_;
 };
-INSTANTIATE_TEST_SUITE_P(Versions, Export, ::testing::Values(2, 3), [](const auto& info) { return "Fmi" + std::to_string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Versions, Export, ::testing::Values(2, 3), [](const auto& each) { return "Fmi" + std::to_string(each.param); });
 
 class ExampleExport : public Export {};
 INSTANTIATE_TEST_SUITE_P(Slow_Versions, ExampleExport, ::testing::Values(2, 3),
-                         [](const auto& info) { return "Fmi" + std::to_string(info.param); });
+                         [](const auto& each) { return "Fmi" + std::to_string(each.param); });
 
 TEST_P(Export, PassesAnIndependentCheckOfTheStandard) {
   check(exported(pendulum, 0.01));
@@ -153,7 +153,7 @@ TEST_P(Export, ParametersTextsAndChoicesWorkInIt) {
       GetParam() == 2 ? R"("place[1]": 4, "place[2]": 5, "place[3]": 6)" : R"("place": [4, 5, 6], "turn": [1, 0, 0, 0])";
   const std::string inputs = "\"values\": {" + place + ", \"time (input)\": 0.5, \"key:pressed\": 1}";
   auto own = Interpreter::build(parse(mixed), lsi::standard_library(), nullptr, {.dt = 0.01});
-  for (const std::string& shape_word : {"even", "normal"}) {
+  for (const std::string shape_word : {"even", "normal"}) {
     const std::string text = ", \"parameters\": {\"points\": \"0:0, 1:8\", \"seed\": 7, \"shape\": \"" + shape_word + "\"}, " + inputs;
     auto i = build(alone("c2_mixed_pins", text), live, 0.01);
     ASSERT_TRUE(i) << i.error().text();

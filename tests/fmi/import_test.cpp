@@ -13,7 +13,7 @@ namespace {
 using circuit::Interpreter;
 
 class Import : public FmiTest, public ::testing::WithParamInterface<int> {};
-INSTANTIATE_TEST_SUITE_P(Versions, Import, ::testing::Values(2, 3), [](const auto& info) { return "Fmi" + std::to_string(info.param); });
+INSTANTIATE_TEST_SUITE_P(Versions, Import, ::testing::Values(2, 3), [](const auto& each) { return "Fmi" + std::to_string(each.param); });
 
 /// Height and speed at time t of a ball dropped from 1 m, by the geometric series of its bounces.
 std::pair<double, double> ball(double t, double g, double e) {

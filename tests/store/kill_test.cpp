@@ -111,7 +111,7 @@ class KillTest : public OnBoth {
       const int before = known.steps;
       std::string text;
       char buffer[4096];
-      const unsigned steps = 1 + random() % 6;
+      const auto steps = static_cast<unsigned>(1 + random() % 6);
       const auto drain = [&](bool all) {
         while (all || static_cast<unsigned>(known.steps - before) < steps) {
           const ssize_t n = ::read(ends[0], buffer, sizeof buffer);

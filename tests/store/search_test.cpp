@@ -135,9 +135,9 @@ std::vector<LibraryItem> random_items(std::mt19937& random, int count) {
   std::vector<LibraryItem> items;
   for (int i = 0; i < count; ++i) {
     std::string name = word();
-    for (unsigned n = random() % 3; n > 0; --n) name += std::string(random() % 2 ? "_" : " ") + word();
+    for (auto n = random() % 3; n > 0; --n) name += std::string(random() % 2 ? "_" : " ") + word();
     std::vector<std::string> tags;
-    for (unsigned n = random() % 3; n > 0; --n) tags.push_back(word());
+    for (auto n = random() % 3; n > 0; --n) tags.push_back(word());
     const EntryKind kind = entry_kinds[random() % std::size(entry_kinds)];
     items.push_back(make_item(kind, name, "data " + std::to_string(i), tags,
                               R"({"duration": )" + std::to_string(random() % 20) + R"(, "source": ")" + word() + R"("})"));
