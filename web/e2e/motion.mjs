@@ -153,10 +153,19 @@ export const motion_journeys = [
       await choose(page, clip.id, 'For another body…');
       const body = page.getByRole('dialog', { name: 'For another body' });
       await body.getByRole('radio', { name: /A dog/ }).click();
+      // Pressed as soon as it is there: while the page is busy drawing, a look from outside may come too late.
+      await page.evaluate(() => {
+        const watch = new MutationObserver(() => {
+          const cancel = [...document.querySelectorAll('.task button')].find((b) => b.textContent.trim() === 'Cancel');
+          if (!cancel || window.cancelled) return;
+          watch.disconnect();
+          window.cancelled = true;
+          cancel.click();
+        });
+        watch.observe(document.body, { childList: true, subtree: true });
+      });
       await body.getByRole('button', { name: 'Make figure' }).click();
-      const cancel = page.locator('.task').getByRole('button', { name: 'Cancel' });
-      await cancel.waitFor({ timeout: 20000 });
-      await cancel.click();
+      await until(page, 'window.cancelled === true', 'Cancel to be there');
       await until(page, 'document.querySelectorAll(".task").length === 0', 'it is gone');
       await page.waitForTimeout(500);
       assert.deepEqual(await document_of(page), before);
