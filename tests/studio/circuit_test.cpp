@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -240,6 +241,25 @@ TEST_F(CircuitStudioTest, ACircuitThatDoesNotRunSaysWhyAndPlayIsRefused) {
             true);
   EXPECT_TRUE(p.event("circuit")["problems"].empty());
   EXPECT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+}
+
+TEST_F(CircuitStudioTest, WhatPlayedAfterAnUndoneFaultIsNotPausedByItsLateNews) {
+  Page p = page();
+  (void)p.ask({{"op", "hello"}});
+  ASSERT_EQ(p.ask(edit(clock_and_gain()))["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "mode"}, {"mode", "simulate"}})["ok"], true);
+  ASSERT_EQ(::kill(studio_->interpreter_pid(), SIGSTOP), 0);  // a slow moment of the machine
+  const json turned = edit(json::array({put("wires", {{"from", "g.out"}, {"to", "sum.b"}}), put("lsis", {{"id", "sum"}, {"type", "add"}}),
+                                        put("wires", {{"from", "sum.out"}, {"to", "sum.a"}})}));
+  ASSERT_EQ(p.ask(turned)["ok"], true);
+  ASSERT_EQ(p.ask({{"op", "undo"}})["ok"], true);
+  const int play = p.post({{"op", "play"}});
+  ASSERT_EQ(p.ask({{"op", "hello"}})["ok"], true) << "by now all has been sent on";
+  ASSERT_EQ(::kill(studio_->interpreter_pid(), SIGCONT), 0);
+  ASSERT_EQ(p.reply(play)["ok"], true);
+  EXPECT_FALSE(p.event("transport", [](const json& e) { return e["playing"] == true && e["simulated"] > 0.3; }).is_null());
+  for (const json& e : p.events)
+    if (e["event"] == "circuit") EXPECT_TRUE(e["problems"].empty()) << "of a circuit that is no more: " << e.dump();
 }
 
 TEST_F(CircuitStudioTest, MovingAnLsiLeavesTheSimulationAlone) {

@@ -29,10 +29,12 @@ class Page {
     };
   }
   /// Sends a request and waits for its reply; events and frames that come before it are kept.
-  nlohmann::json ask(nlohmann::json message) {
+  nlohmann::json ask(nlohmann::json message) { return reply(post(std::move(message))); }
+  /// Sends a request. @return its id
+  int post(nlohmann::json message) {
     message["id"] = ++last_;
     socket_.send_text(message.dump());
-    return reply(last_);
+    return last_;
   }
   nlohmann::json reply(const nlohmann::json& id) {
     const auto text = socket_.receive_text([&](const std::string& t) {

@@ -340,7 +340,7 @@ void Session::changed(std::string event) {
   const std::vector<std::byte> before = executable_;
   generate();
   if (!process_ || executable_.empty() || executable_ == before) return;
-  send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
+  load_content();
 }
 
 void Session::generate() {
@@ -352,6 +352,11 @@ void Session::generate() {
   Result<std::vector<std::byte>> made = content::generate(scenario, project_.resources());
   if (!made) return log("error", "What plays is still the content before this change: " + made.error().text());
   executable_ = std::move(*made);
+}
+
+void Session::load_content() {
+  send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
+  content_request_ = last_request_;
 }
 
 void Session::load_without_circuit() {
@@ -398,7 +403,7 @@ Result<void> Session::ensure_interpreter() {
   process_ = std::move(*started);
   pid_ = process_->pid();
   ping_ = 0;
-  send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
+  load_content();
   if (simulate_) send_to_interpreter(R"({"op":"mode","mode":"simulate"})", {}, {});
   if (!watch_.empty()) send_to_interpreter(watch_, {}, {});
   if (!breakpoints_request_.empty()) send_to_interpreter(breakpoints_request_, {}, {});
@@ -432,7 +437,7 @@ void Session::on_interpreter_message(const std::string& text) {
       const bool others = !lsis_.empty() && text != lsis_;
       lsis_ = text;
       // What was missing may be there now.
-      if (others && !circuit_problems_.empty()) send_to_interpreter(R"({"op":"load"})", executable_, {0, "content", false});
+      if (others && !circuit_problems_.empty()) load_content();
     }
     return;
   }
@@ -449,7 +454,7 @@ void Session::on_interpreter_message(const std::string& text) {
     if (ok && pending.quiet) return;
     const std::string error = message.contains("error") ? text_of(message["error"]) : "{\"problems\":[]}";
     outbox_.send(pending.client, "{\"reply\":" + pending.reply_to + ",\"ok\":" + (ok ? "true}" : "false,\"error\":" + error + "}"));
-  } else if (pending.reply_to == "content") {
+  } else if (pending.reply_to == "content" && number == content_request_) {  // newer content makes the news of older content void
     if (ok) return set_circuit_problems({});
     set_circuit_problems(read_problems(message));
     log("error", "The content cannot be played: " + circuit_problems_.text());

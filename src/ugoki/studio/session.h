@@ -107,6 +107,7 @@ class Session {
   [[nodiscard]] std::string edited_event(const std::string& changes, std::uint64_t from) const;
   [[nodiscard]] std::string state_fields() const;
   void generate();
+  void load_content();
   /// The content, which does not play, with the circuit that the generator makes: so that the tracks can still be seen.
   void load_without_circuit();
   void set_circuit_problems(Error problems);
@@ -142,6 +143,7 @@ class Session {
   std::string breakpoints_request_;              ///< those that are on, for a new interpreter; may be empty
   Error circuit_problems_;                       ///< why the content as it is cannot be played; empty: it can
   int last_request_ = 0;
+  int content_request_ = 0;  ///< the newest that brought content
   std::map<int, Pending> pending_;
   int ping_ = 0;  ///< request id of a ping without answer; 0: none
   std::chrono::steady_clock::time_point ping_time_;
