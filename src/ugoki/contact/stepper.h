@@ -119,7 +119,7 @@ class Stepper {
   void whiten(std::size_t s, int last, std::span<double> y) const;
   void add_impulses(std::size_t s);
   void solve_loops(std::size_t s, const StepSystem& system, double dt);
-  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y);
+  double make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms);
   void close_loops(std::size_t s, StepSystem& system, StepReport& report);
 
   struct SystemScratch {
@@ -143,6 +143,7 @@ class Stepper {
       dynamics::Workspace ws;      // of closing positions
       std::vector<double> basis;   // [rank * nv] orthonormal: what the loops forbid, whitened; [rows * nv] while it is made
       std::vector<double> target;  // [rows]
+      std::vector<double> terms;   // [rows] their squares if all directions agreed: what rounding is measured by
       std::vector<double> sparse;  // [3 * nv] rows on a chain before they are spread
       int rank = 0;
     };

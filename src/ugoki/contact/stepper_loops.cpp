@@ -14,41 +14,53 @@ Stepper::SystemScratch::Loops::Loops(const Mechanism& m) : links(m), rows(m.loop
   const auto n = static_cast<std::size_t>(m.nv()), count = static_cast<std::size_t>(rows.count());
   basis.resize(count * n);
   target.resize(count);
+  terms.resize(count);
   sparse.resize(3 * n);
 }
 
-/// One row of a loop, whitened. @return its velocity without impulses
-double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y) {
+/// One row of a loop, whitened. @param terms what its square would be if all directions agreed @return its velocity without impulses
+double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int row, std::span<double> y, double& terms) {
   const dynamics::Workspace& ws = workspaces_[s];
   SystemScratch& x = scratch_[s];
   std::ranges::fill(y, 0.0);
   double u = 0;
-  const auto add = [&](int last, auto&& entry) {
+  terms = 0;
+  const auto add = [&](int last, auto&& entry, auto&& square) {
     if (last < 0) return;
     const int* chain = ws.chain.data() + ws.row_start[static_cast<std::size_t>(last)];
     const auto length = static_cast<std::size_t>(ws.depth[static_cast<std::size_t>(last)] + 1);
     const std::span<double> part(x.loops->sparse.data(), length);
     for (std::size_t k = 0; k < length; ++k) {
+      const auto f = static_cast<std::size_t>(chain[k]);
       part[k] = entry(chain[k]);
-      u += part[k] * x.free_v[static_cast<std::size_t>(chain[k])];
+      u += part[k] * x.free_v[f];
+      terms += x.root_D_inverse[f] * x.root_D_inverse[f] * square(chain[k]);
     }
     whiten(s, last, part);
     for (std::size_t k = 0; k < length; ++k) y[static_cast<std::size_t>(chain[k])] += part[k];
   };
   if (loop.type == LoopType::gear) {
     const double slope = x.loops->rows.slope[static_cast<std::size_t>(index)];
-    add(loop.freedom_a, [&](int f) { return f == loop.freedom_a ? 1.0 : 0.0; });
-    add(loop.freedom_b, [&](int f) { return f == loop.freedom_b ? -slope : 0.0; });
+    add(loop.freedom_a, [&](int f) { return f == loop.freedom_a ? 1.0 : 0.0; }, [&](int f) { return f == loop.freedom_a ? 1.0 : 0.0; });
+    add(
+        loop.freedom_b, [&](int f) { return f == loop.freedom_b ? -slope : 0.0; },
+        [&](int f) { return f == loop.freedom_b ? slope * slope : 0.0; });
   } else {
     const Vec6 w = x.loops->rows.W[static_cast<std::size_t>(row)];
     const auto last = [&](int link) { return link < 0 ? -1 : ws.link_chain[static_cast<std::size_t>(link)]; };
-    add(last(loop.link_b), [&](int f) { return dot(w, ws.S[static_cast<std::size_t>(f)]); });
-    add(last(loop.link_a), [&](int f) { return -dot(w, ws.S[static_cast<std::size_t>(f)]); });
+    const double turning = dot(w.w, w.w), sliding = dot(w.v, w.v);
+    const auto square = [&](int f) {
+      const Vec6& S = ws.S[static_cast<std::size_t>(f)];
+      return turning * dot(S.w, S.w) + sliding * dot(S.v, S.v);
+    };
+    add(last(loop.link_b), [&](int f) { return dot(w, ws.S[static_cast<std::size_t>(f)]); }, square);
+    add(last(loop.link_a), [&](int f) { return -dot(w, ws.S[static_cast<std::size_t>(f)]); }, square);
   }
   return u;
 }
 
-/// The basis, by Gram-Schmidt with the longest row first, and the velocity without impulses made such that the loops close.
+/// The basis, by Gram-Schmidt with the longest row first (rows that no joint moves are rounding and left out), and the velocity without
+/// impulses made such that the loops close.
 void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
   SystemScratch& x = scratch_[s];
   SystemScratch::Loops& loops = *x.loops;
@@ -61,7 +73,7 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
     if (!loops.links.is_closed(static_cast<int>(i))) continue;
     for (int k = 0; k < all[i].rows(); ++k, ++count) {
       const int at = loops.rows.first[i] + k;
-      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(count));
+      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(count), loops.terms[count]);
       loops.target[count] = -(u + loops.rows.gap[static_cast<std::size_t>(at)] / dt);
     }
   }
@@ -77,7 +89,7 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
     std::size_t best = rank;
     double most = -1;
     for (std::size_t k = rank; k < count; ++k)
-      if (const double square = product(row(k), row(k)); square > most) {
+      if (const double square = product(row(k), row(k)); square > most && square > dynamics::immobile_row * loops.terms[k]) {
         most = square;
         best = k;
       }
@@ -85,6 +97,7 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
     if (!(most > dynamics::dependent_correction * 1e-4 * greatest)) break;  // the rest follow from these
     std::ranges::swap_ranges(row(rank), row(best));
     std::swap(loops.target[rank], loops.target[best]);
+    std::swap(loops.terms[rank], loops.terms[best]);
     const auto remove = [&](std::size_t from, std::size_t k) {
       const double part = product(row(k), row(from));
       for (std::size_t e = 0; e < n; ++e) row(from)[e] -= part * row(k)[e];
