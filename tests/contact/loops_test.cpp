@@ -223,6 +223,63 @@ TEST(StepperLoops, JointsThatLoopsOfTheirKindDoubleMoveAsWithoutThem) {
   }
 }
 
+TEST(StepperLoops, AWatchAndACraneInOneMechanismBothStayClosed) {
+  // Two closed squares of bars side by side, a hundred thousand times as large the one as the other, move as each does alone.
+  const auto scaled = [](double size, const std::string& name) {
+    MechanismSpec spec = square(false, JointType::revolute, 0.5);
+    for (LinkSpec& l : spec.links) {
+      l.name = name + l.name;
+      if (!l.parent.empty()) l.parent = name + l.parent;
+      l.joint.X_PJ.p = l.joint.X_PJ.p * size;
+      const double m = size * size * size;
+      l.inertia = {l.inertia.mass * m, l.inertia.h * (m * size), l.inertia.I * (m * size * size)};
+      l.shapes.clear();
+    }
+    for (LoopSpec& l : spec.loops) {
+      l.link_a = name + l.link_a;
+      l.link_b = name + l.link_b;
+      l.X_BJ.p = l.X_BJ.p * size;
+    }
+    return spec;
+  };
+  MechanismSpec both = scaled(1e-4, "watch ");
+  const MechanismSpec crane = scaled(10, "crane ");
+  both.links.insert(both.links.end(), crane.links.begin(), crane.links.end());
+  both.loops.insert(both.loops.end(), crane.loops.begin(), crane.loops.end());
+  both.loops[1].name = "second pin";
+  Simulation together(both), watch(scaled(1e-4, "watch ")), large(crane);
+  const auto start = [](Simulation& s, std::size_t root) { s.state.q[root] = 0.6; };
+  start(together, 0);
+  start(together, 4);
+  start(watch, 0);
+  start(large, 0);
+  for (int i = 0; i < 200; ++i) {
+    for (Simulation* s : {&together, &watch, &large}) {
+      const StepReport report = s->step(1e-4, false);
+      ASSERT_EQ(report.status, StepStatus::ok) << i;
+      ASSERT_LT(report.loop_gap, 1e-9) << i;
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      ASSERT_NEAR(together.state.q[k], watch.state.q[k], 1e-8) << "watch, step " << i;
+      ASSERT_NEAR(together.state.q[4 + k], large.state.q[k], 1e-8) << "crane, step " << i;
+      ASSERT_NEAR(together.state.v[4 + k], large.state.v[k], 1e-6) << "crane, step " << i;
+    }
+  }
+  const auto accelerations = [](const Simulation& s) {
+    dynamics::OpenSystemOptions options;
+    options.joint_forces_on = false;
+    dynamics::ClosedSystem system(s.m, options);
+    std::vector<double> a(s.state.v.size());
+    EXPECT_EQ(system.calc_acceleration(0, s.state.q, s.state.v, a), -1);
+    return a;
+  };
+  const std::vector<double> a = accelerations(together), of_watch = accelerations(watch), of_crane = accelerations(large);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_NEAR(a[k], of_watch[k], 1e-6 * (1 + std::fabs(of_watch[k])));
+    EXPECT_NEAR(a[4 + k], of_crane[k], 1e-6 * (1 + std::fabs(of_crane[k])));
+  }
+}
+
 TEST(StepperLoops, CoupledGearsTurnTogether) {
   // Two gears share the middle wheel. Their rows are constant, so that velocities hold as exactly as positions.
   MechanismSpec spec;

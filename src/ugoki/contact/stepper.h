@@ -143,7 +143,7 @@ class Stepper {
       dynamics::Workspace ws;      // of closing positions
       std::vector<double> basis;   // [rank * nv] orthonormal: what the loops forbid, whitened; [rows * nv] while it is made
       std::vector<double> target;  // [rows]
-      std::vector<double> terms;   // [rows] their squares if all directions agreed: what rounding is measured by
+      std::vector<double> least;   // [rows] what their squares must exceed
       std::vector<double> sparse;  // [3 * nv] rows on a chain before they are spread
       int rank = 0;
     };

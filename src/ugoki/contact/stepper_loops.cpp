@@ -14,7 +14,7 @@ Stepper::SystemScratch::Loops::Loops(const Mechanism& m) : links(m), rows(m.loop
   const auto n = static_cast<std::size_t>(m.nv()), count = static_cast<std::size_t>(rows.count());
   basis.resize(count * n);
   target.resize(count);
-  terms.resize(count);
+  least.resize(count);
   sparse.resize(3 * n);
 }
 
@@ -59,45 +59,51 @@ double Stepper::make_loop_row(std::size_t s, const Loop& loop, int index, int ro
   return u;
 }
 
-/// The basis, by Gram-Schmidt with the longest row first (rows that no joint moves are rounding and left out), and the velocity without
-/// impulses made such that the loops close.
+/// The basis, by Gram-Schmidt with the longest row first, and the velocity without impulses made such that the loops close. Rows that no
+/// joint moves, and what is left of rows that follow from others, are rounding: each loop is its own measure of it, since the next may
+/// be as light as a watch.
 void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
   SystemScratch& x = scratch_[s];
   SystemScratch::Loops& loops = *x.loops;
   const std::size_t n = x.v.size();
   const std::span<const Loop> all = mechanisms_[s]->loops();
   dynamics::update_loop_rows(*mechanisms_[s], workspaces_[s], all, system.q, x.v, loops.rows);
-  std::size_t count = 0;
   const auto row = [&](std::size_t k) { return std::span(loops.basis).subspan(k * n, n); };
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (!loops.links.is_closed(static_cast<int>(i))) continue;
-    for (int k = 0; k < all[i].rows(); ++k, ++count) {
-      const int at = loops.rows.first[i] + k;
-      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(count), loops.terms[count]);
-      loops.target[count] = -(u + loops.rows.gap[static_cast<std::size_t>(at)] / dt);
-    }
-  }
   const auto product = [&](std::span<const double> a, std::span<const double> b) {
     double sum = 0;
     for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
     return sum;
   };
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!loops.links.is_closed(static_cast<int>(i))) continue;
+    double greatest[2] = {};  // positions, rotations
+    const auto kind = [&](int k) -> double& { return greatest[k < position_row_count(all[i].type) ? 0 : 1]; };
+    for (int k = 0; k < all[i].rows(); ++k) {
+      const auto r = count + static_cast<std::size_t>(k);
+      const int at = loops.rows.first[i] + k;
+      const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(r), loops.least[r]);
+      loops.least[r] *= dynamics::immobile_row;
+      loops.target[r] = -(u + loops.rows.gap[static_cast<std::size_t>(at)] / dt);
+      kind(k) = std::max(kind(k), product(row(r), row(r)));
+    }
+    for (int k = 0; k < all[i].rows(); ++k, ++count)
+      loops.least[count] = std::max(loops.least[count], dynamics::dependent_correction * 1e-4 * kind(k));
+  }
   std::ranges::fill(x.impulse, 0.0);
-  double greatest = 0;
   std::size_t rank = 0;
   for (; rank < count; ++rank) {
     std::size_t best = rank;
-    double most = -1;
+    double most = 0;
     for (std::size_t k = rank; k < count; ++k)
-      if (const double square = product(row(k), row(k)); square > most && square > dynamics::immobile_row * loops.terms[k]) {
+      if (const double square = product(row(k), row(k)); square > most && square > loops.least[k]) {
         most = square;
         best = k;
       }
-    greatest = std::max(greatest, most);
-    if (!(most > dynamics::dependent_correction * 1e-4 * greatest)) break;  // the rest follow from these
+    if (!(most > 0)) break;  // the rest follow from these
     std::ranges::swap_ranges(row(rank), row(best));
     std::swap(loops.target[rank], loops.target[best]);
-    std::swap(loops.terms[rank], loops.terms[best]);
+    std::swap(loops.least[rank], loops.least[best]);
     const auto remove = [&](std::size_t from, std::size_t k) {
       const double part = product(row(k), row(from));
       for (std::size_t e = 0; e < n; ++e) row(from)[e] -= part * row(k)[e];
