@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "../dynamics/random_mechanism.h"
+#include "../dynamics/random_loops.h"
 #include "ugoki/collision/scene.h"
 #include "ugoki/contact/stepper.h"
 #include "ugoki/dynamics/closed_system.h"
@@ -112,6 +112,50 @@ TEST(StepperLoops, AClosedChainMovesAsItsOwnDynamicsSay) {
   }
   EXPECT_LT(difference[0], 0.02);
   EXPECT_NEAR(difference[0] / difference[1], 4, 1) << "first order in the step";
+}
+
+TEST(StepperLoops, RandomClosedMechanismsMoveAsTheirOwnDynamicsSayToFirstOrder) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    const testing::RandomLoops closed(seed);
+    testing::RandomSource same(seed), random(seed + 1000);
+    MechanismSpec spec = testing::random_spec(same, 12);
+    for (int k = 0; k < 3; ++k) {
+      const Loop& l = closed.loops[static_cast<std::size_t>(random.below(static_cast<int>(closed.loops.size())))];
+      if (l.type == LoopType::gear) continue;
+      spec.loops.push_back({.name = "loop " + std::to_string(k),
+                            .type = l.type,
+                            .link_a = l.link_a < 0 ? "" : spec.links[static_cast<std::size_t>(l.link_a)].name,
+                            .link_b = spec.links[static_cast<std::size_t>(l.link_b)].name,
+                            .X_AJ = l.X_AJ,
+                            .X_BJ = l.X_BJ,
+                            .axis = l.axis,
+                            .axis2 = l.axis2,
+                            .length = l.length});
+    }
+    if (spec.loops.empty()) continue;
+    Simulation coarse(spec), fine(spec);
+    dynamics::OpenSystemOptions options;
+    options.joint_forces_on = false;
+    dynamics::ClosedSystem system(coarse.m, options);
+    State start = closed.state;
+    for (double& x : start.v) x *= 0.3;
+    std::ranges::fill(start.tau, 0.0);
+    ASSERT_NE(system.project(0, start.q, start.v), dynamics::Projection::failed) << seed;
+    dynamics::Integrator integrator(system, {});
+    integrator.start(0, start.q, start.v);
+    ASSERT_EQ(integrator.advance(0.01).status, dynamics::IntegrationStatus::reached) << seed;
+    const auto off = [&](Simulation& sim, int steps) {  // m/s | rad/s
+      sim.state.q = start.q;
+      sim.state.v = start.v;
+      for (int i = 0; i < steps; ++i) EXPECT_EQ(sim.step(0.01 / steps, false).status, StepStatus::ok) << seed;
+      double worst = 0;
+      for (std::size_t i = 0; i < start.v.size(); ++i) worst = std::max(worst, std::fabs(sim.state.v[i] - integrator.v()[i]));
+      return worst;
+    };
+    const double far = off(coarse, 100), near = off(fine, 400);
+    EXPECT_LT(far, 0.5) << seed;
+    EXPECT_NEAR(far / near, 4, 0.8) << seed;
+  }
 }
 
 TEST(StepperLoops, AFrameFallsAndComesToRest) {
