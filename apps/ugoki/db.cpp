@@ -104,7 +104,8 @@ int show(const Options& options) {
     print_line("content  " + entry->content);
     print_line("bytes    " + std::to_string(entry->size));
     if (!entry->removed.empty()) print_line("removed  " + entry->removed + " by " + entry->removed_by);
-    for (const auto& [key, value] : summary_of(*entry).items())
+    const Json summary = summary_of(*entry);
+    for (const auto& [key, value] : summary.items())
       print_line(key + std::string(key.size() < 9 ? 9 - key.size() : 1, ' ') +
                  (value.is_string() ? value.get<std::string>() : value.dump()));
     return {};

@@ -104,8 +104,9 @@ Result<Json> info_of_executable(const std::string& path) {
   const std::span<const std::byte> bytes(reinterpret_cast<const std::byte*>(text->data()), text->size());
   const Result<content::Executable> executable = content::read_executable(bytes, path);
   if (!executable) return fail(executable.error());
+  const auto file = content::read_ugx(bytes);
   Json sections = Json::array();
-  for (const content::UgxSection& s : content::read_ugx(bytes)->sections())
+  for (const content::UgxSection& s : file->sections())
     sections.push_back({{"name", s.name}, {"bytes", s.bytes.size()}});
   Json characters = Json::array();
   for (const content::ExecutableCharacter& c : executable->characters)

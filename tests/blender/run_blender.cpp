@@ -22,7 +22,7 @@ bool blender_is_installed() { return std::system("blender --version > /dev/null 
 
 BlenderOutput run_blender(const std::string& script, const std::string& arguments, const TemporaryFolder& folder) {
   const std::string scripts = UGOKI_SOURCE_DIR "/tests/blender", log = folder.path + "/log";
-  const std::string command = "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" + scripts +
+  const std::string command = "PATH=/usr/bin:/bin:$PATH PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" + scripts +
                               " blender -b --factory-startup --python-use-system-env --python-exit-code 3 --python " + scripts + "/" +
                               script + " -- " + arguments + " > " + log + " 2>&1";
   BlenderOutput out;

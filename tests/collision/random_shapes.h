@@ -23,15 +23,28 @@ class Random {
       if (norm(v) > 0.1 && norm(v) < 1) return v / norm(v);
     }
   }
-  Pose pose(double size) { return {rotation_about(unit(), in(-pi, pi)), vec(size)}; }
+  Pose pose(double size) {
+    const Vec3 axis = unit();
+    const Mat3 R = rotation_about(axis, in(-pi, pi));
+    return {R, vec(size)};
+  }
+  /// One number at a time, so that every compiler makes the same shapes.
   Shape shape(ShapeType type) {
     switch (type) {
-      case ShapeType::sphere: return Shape::sphere(in(0.05, 0.4), pose(0.2));
+      case ShapeType::sphere: {
+        const double radius = in(0.05, 0.4);
+        return Shape::sphere(radius, pose(0.2));
+      }
       case ShapeType::capsule: {
         const Vec3 a = vec(0.3);
-        return Shape::capsule(in(0.05, 0.3), a, a + unit() * in(0.1, 1.0));
+        const double radius = in(0.05, 0.3);
+        const Vec3 along = unit();
+        return Shape::capsule(radius, a, a + along * in(0.1, 1.0));
       }
-      default: return Shape::box({in(0.05, 0.5), in(0.05, 0.5), in(0.05, 0.5)}, pose(0.2));
+      default: {
+        const Vec3 half{in(0.05, 0.5), in(0.05, 0.5), in(0.05, 0.5)};
+        return Shape::box(half, pose(0.2));
+      }
     }
   }
   Shape shape() { return shape(static_cast<ShapeType>(below(3))); }

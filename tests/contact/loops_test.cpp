@@ -214,36 +214,11 @@ TEST(StepperLoops, AHingeThatSaysNothingNewChangesNothing) {
 }
 
 TEST(StepperLoops, JointsThatLoopsOfTheirKindDoubleMoveAsWithoutThem) {
-  const std::pair<JointType, LoopType> kinds[] = {
-      {JointType::revolute, LoopType::revolute},       {JointType::prismatic, LoopType::prismatic},
-      {JointType::cylindrical, LoopType::cylindrical}, {JointType::planar, LoopType::planar},
-      {JointType::universal, LoopType::universal},     {JointType::spherical, LoopType::ball}};
   for (unsigned seed = 1; seed <= 500; ++seed) {
     testing::RandomSource random(seed);
-    std::vector<JointType> types;
-    for (const auto& [joint, loop] : kinds) types.push_back(joint);
-    MechanismSpec spec = testing::random_spec(random, 2 + random.below(4), types, random.below(2) == 0);
     const double away = std::pow(10.0, random.below(4));
-    if (random.below(2) == 0) spec.links[0].joint.type = types[static_cast<std::size_t>(random.below(6))];
-    spec.links[0].joint.X_PJ.p = random.vec(away);
-    if (random.below(3) == 0)
-      for (LinkSpec& l : spec.links) {
-        const double d = std::pow(10.0, random.uniform(-2, 2));
-        l.inertia = {l.inertia.mass * d, l.inertia.h * d, l.inertia.I * d};
-      }
-    for (LinkSpec& l : spec.links) l.joint.axis2 = normalized(cross(l.joint.axis, random.direction()));
-    MechanismSpec doubled = spec;
-    for (const LinkSpec& l : spec.links)
-      for (const auto& [joint, loop] : kinds)
-        if (l.joint.type == joint && (random.below(3) != 0 || spec.links.size() == 2))
-          doubled.loops.push_back({.name = "again " + l.name,
-                                   .type = loop,
-                                   .link_a = l.parent,
-                                   .link_b = l.name,
-                                   .X_AJ = l.joint.X_PJ,
-                                   .axis = joint == JointType::planar ? Vec3{0, 0, 1} : l.joint.axis,
-                                   .axis2 = l.joint.axis2});
-    Simulation with(doubled), without(spec);
+    const testing::DoubledJoints joints(random, random.below(2) == 0, away);
+    Simulation with(joints.doubled), without(joints.tree);
     testing::randomize(random, *with.m, with.state);
     without.state = with.state;
     const State before = with.state;

@@ -57,4 +57,33 @@ struct RandomLoops {
   }
 };
 
+/// A random tree, and the same with joints that loops of their own kind double: these say nothing new, so that all their rows are
+/// rounding. `away` [m]: how far from the origin it may begin.
+struct DoubledJoints {
+  MechanismSpec tree, doubled;
+
+  explicit DoubledJoints(RandomSource& random, bool floating_base, double away) {
+    constexpr std::pair<JointType, LoopType> kinds[] = {
+        {JointType::revolute, LoopType::revolute},       {JointType::prismatic, LoopType::prismatic},
+        {JointType::cylindrical, LoopType::cylindrical}, {JointType::planar, LoopType::planar},
+        {JointType::universal, LoopType::universal},     {JointType::spherical, LoopType::ball}};
+    constexpr JointType types[] = {JointType::revolute, JointType::prismatic, JointType::cylindrical,
+                                   JointType::planar,   JointType::universal, JointType::spherical};
+    tree = random_spec(random, 2 + random.below(4), types, floating_base);
+    tree.links[0].joint.X_PJ.p = random.vec(away);
+    for (LinkSpec& l : tree.links) l.joint.axis2 = normalized(cross(l.joint.axis, random.direction()));
+    doubled = tree;
+    for (const LinkSpec& l : tree.links)
+      for (const auto& [joint, loop] : kinds)
+        if (l.joint.type == joint && (random.below(3) != 0 || tree.links.size() == 2))
+          doubled.loops.push_back({.name = "again " + l.name,
+                                   .type = loop,
+                                   .link_a = l.parent,
+                                   .link_b = l.name,
+                                   .X_AJ = l.joint.X_PJ,
+                                   .axis = joint == JointType::planar ? Vec3{0, 0, 1} : l.joint.axis,
+                                   .axis2 = l.joint.axis2});
+  }
+};
+
 }  // namespace ugoki::testing

@@ -151,7 +151,7 @@ BubbleDistance find_distance(const SphereTree& a, const Pose& X_WA, const Sphere
   out.pa = placed.X_WA * nearest.pa;
   out.pb = placed.X_WA * nearest.pb;
   out.status = out.distance > 0 ? BubbleStatus::separated : BubbleStatus::touching;
-  if (out.distance > 0) out.n = placed.X_WA.R * ((nearest.pa - nearest.pb) / nearest.distance);
+  if (out.distance > 0) out.n = placed.X_WA.R * normalized(nearest.pa - nearest.pb);
   return out;
 }
 
