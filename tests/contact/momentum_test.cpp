@@ -11,7 +11,7 @@ namespace ugoki::contact {
 namespace {
 
 /// How a random system is made hard.
-enum class Kind { open, plain, many_loops, unequal, flat };
+enum class Kind { open, plain, many_loops, unequal, flat, doubled };
 
 void make_unequal(RandomSource& random, MechanismSpec& spec) {
   for (LinkSpec& l : spec.links) {
@@ -64,6 +64,13 @@ void add_system(Party& party, RandomSource& random, unsigned seed, Kind kind) {
   std::vector<Loop> some;
   if (kind == Kind::flat) {
     some = make_flat_ring(random, r.m, r.state);
+  } else if (kind == Kind::doubled) {
+    testing::DoubledJoints joints(random, true, 1);
+    if (random.below(2) == 0) make_unequal(random, joints.doubled);
+    r.m = *Mechanism::make(testing::without_armature(std::move(joints.doubled)));
+    r.state = State(*r.m);
+    testing::randomize(random, *r.m, r.state);
+    some.assign(r.m->loops().begin(), r.m->loops().end());
   } else {
     MechanismSpec spec = testing::without_armature(r.m->spec());  // rotors keep some momentum for themselves
     if (kind == Kind::unequal) make_unequal(random, spec);
@@ -117,9 +124,9 @@ Errors collide(unsigned seed, Kind kind_a, Kind kind_b, double e) {
   return out;
 }
 
-constexpr Kind pairs[][2] = {{Kind::open, Kind::open},       {Kind::plain, Kind::plain}, {Kind::many_loops, Kind::many_loops},
-                             {Kind::unequal, Kind::unequal}, {Kind::flat, Kind::flat},   {Kind::open, Kind::many_loops},
-                             {Kind::flat, Kind::open}};
+constexpr Kind pairs[][2] = {{Kind::open, Kind::open},       {Kind::plain, Kind::plain},   {Kind::many_loops, Kind::many_loops},
+                             {Kind::unequal, Kind::unequal}, {Kind::flat, Kind::flat},     {Kind::open, Kind::many_loops},
+                             {Kind::flat, Kind::open},       {Kind::doubled, Kind::plain}, {Kind::doubled, Kind::doubled}};
 
 void keep_momentum_and_energy(unsigned seeds) {
   for (const auto& [a, b] : pairs) {

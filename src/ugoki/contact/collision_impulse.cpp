@@ -7,7 +7,7 @@ namespace ugoki::contact {
 namespace {
 
 constexpr double held = 1e-12;            // of the answer to an impulse without the loops: less is rounding
-constexpr double most_correction = 1e-9;  // of an impulse, for the energy's sake: rounding
+constexpr double most_correction = 1e-6;  // of an impulse, for the energy's sake: rounding, of contacts that all but agree
 constexpr double tied = 1e-9;             // approaches that differ by less, relatively, are simultaneous
 
 bool same_pair(const collision::ContactPoint& a, const collision::ContactPoint& b) {
