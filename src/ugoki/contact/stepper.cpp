@@ -28,6 +28,9 @@ double rolling_radius(const Link& link) {
   return radius;
 }
 
+constexpr double slow_turn = 1e-3;   // rad | m in a step: what moves less needs no second look at its bias
+constexpr double most_change = 0.3;  // of the velocities, from one look at the bias to the next
+
 /// What a free body's bias moment has to change by, so that the step takes it at the mean of old and new angular velocity:
 ///   I (w' - w) = -dt wm x I wm,  wm = (w + w') / 2
 /// keeps the energy and the size of the angular momentum of a spinning body exactly, where the moment at w would spin it up. A body that
@@ -68,7 +71,7 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     const auto n = static_cast<std::size_t>(m.nv());
     first.push_back(first.back() + m.nv());
     SystemScratch& x = scratch_[s];
-    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.root_D_inverse, &x.impulse, &x.displacement})
+    for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.root_D_inverse, &x.impulse, &x.displacement})
       array->resize(n);
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
@@ -128,7 +131,41 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
       x.free_v[k + 3] += force[static_cast<int>(k)];
     }
   }
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < n; ++i) x.root_D_inverse[i] = std::sqrt(ws.D_inverse[i]);
+  move_freely(s, system, dt);
+  if (x.free_body || n == 1) return;
+  // Linked bodies: the bias at the mean of old and new velocities. Taken at the old ones it adds energy in every step, and chains that
+  // nothing damps whirl ever faster.
+  double change = 0;
+  for (int round = 0; round < 2; ++round) {
+    double fastest = 0;
+    for (std::size_t i = 0; i < n; ++i) fastest = std::max({fastest, std::fabs(x.v[i]), std::fabs(x.free_v[i])});
+    if (fastest * dt < slow_turn) return;
+    x.unforced = x.free_v;
+    for (std::size_t i = 0; i < n; ++i) x.mean[i] = 0.5 * (x.v[i] + x.free_v[i]);
+    dynamics::calc_inverse_dynamics(m, ws, system.q, x.mean, {}, options_.gravity, system.external, x.free_v);
+    move_freely(s, system, dt);
+    double changed = 0, size = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = x.free_v[i] - x.unforced[i];
+      changed += d * d / ws.D_inverse[i];
+      size += (x.v[i] * x.v[i] + x.free_v[i] * x.free_v[i]) / ws.D_inverse[i];
+    }
+    change = changed / size;
+  }
+  if (change < most_change * most_change) return;
+  // Too fast for the step, as what turns by radians in it: the joints keep their velocities.
+  std::ranges::fill(x.mean, 0.0);
+  dynamics::calc_inverse_dynamics(m, ws, system.q, x.mean, {}, options_.gravity, system.external, x.free_v);
+  move_freely(s, system, dt);
+}
+
+/// free_v: from the bias to the velocity without impulses.
+void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
+  const dynamics::Workspace& ws = workspaces_[s];
+  SystemScratch& x = scratch_[s];
+  const bool servo = !system.servo_gain.empty();
+  for (std::size_t i = 0; i < x.v.size(); ++i) {
     const Freedom& f = ws.freedoms[i];
     double passive = f.damping * x.v[i];
     if (f.stiffness > 0) passive += f.stiffness * (x.displacement[i] - f.rest + dt * x.v[i]);
@@ -136,9 +173,8 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     x.free_v[i] = dt * (system.tau[i] - x.free_v[i] - passive);
   }
   dynamics::solve(ws, x.free_v);
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < x.v.size(); ++i) {
     x.free_v[i] += x.v[i];
-    x.root_D_inverse[i] = std::sqrt(ws.D_inverse[i]);
   }
   if (x.loops) solve_loops(s, system, dt);
 }
