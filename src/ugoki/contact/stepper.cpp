@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "ugoki/base/check.h"
 #include "ugoki/mechanism/state.h"
@@ -73,6 +74,7 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     SystemScratch& x = scratch_[s];
     for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.root_D_inverse, &x.impulse, &x.displacement})
       array->resize(n);
+    x.next_q.resize(static_cast<std::size_t>(m.nq()));
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
       bool limited = false;
@@ -154,10 +156,35 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     change = changed / size;
   }
   if (change < most_change * most_change) return;
-  // Too fast for the step, as what turns by radians in it: the joints keep their velocities.
+  // Too fast for the step, as what turns by radians in it.
   std::ranges::fill(x.mean, 0.0);
   dynamics::calc_inverse_dynamics(m, ws, system.q, x.mean, {}, options_.gravity, system.external, x.free_v);
   move_freely(s, system, dt);
+  hold_energy(s, system, dt);
+}
+
+/// Joints keep their velocities, and where the mechanism would have more kinetic energy with them after the step, they lose some.
+void Stepper::hold_energy(std::size_t s, const StepSystem& system, double dt) {
+  const Mechanism& m = *mechanisms_[s];
+  SystemScratch& x = scratch_[s];
+  std::ranges::fill(x.mean, 0.0);
+  const auto energy = [&](std::span<const double> q) {  // twice
+    dynamics::calc_inverse_dynamics(m, workspaces_[s], q, x.mean, x.free_v, {}, {}, x.unforced);
+    return std::inner_product(x.free_v.begin(), x.free_v.end(), x.unforced.begin(), 0.0);
+  };
+  const double most = energy(system.q);
+  bool slower = false;
+  for (int round = 0; round < 8; ++round) {
+    integrate(m, system.q, x.free_v, dt, x.next_q);
+    const double next = energy(x.next_q);
+    if (!(next > most)) break;
+    const double part = std::sqrt(most / next);
+    for (const Link& l : m.links())
+      for (int f = l.v_index; f < l.v_index + l.joint.nv() && l.joint.type != JointType::floating; ++f)
+        x.free_v[static_cast<std::size_t>(f)] *= part;
+    slower = true;
+  }
+  if (slower && x.loops) solve_loops(s, system, dt);
 }
 
 /// free_v: from the bias to the velocity without impulses.

@@ -111,6 +111,7 @@ class Stepper {
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
   void move_freely(std::size_t s, const StepSystem& system, double dt);
+  void hold_energy(std::size_t s, const StepSystem& system, double dt);
   void add_contact(int index, const collision::ContactPoint& c, double dt, bool certain);
   void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
@@ -129,6 +130,7 @@ class Stepper {
     std::vector<double> free_v;          // [nv] velocity without impulses; at the end of a step with them
     std::vector<double> unforced;        // [nv] without them, until the next step
     std::vector<double> mean;            // [nv] of old and new velocities
+    std::vector<double> next_q;          // [nq] positions after the step as they would be without impulses
     std::vector<double> root_D_inverse;  // [nv]
     std::vector<double> impulse;         // [nv]
     std::vector<double> displacement;    // [nv]
