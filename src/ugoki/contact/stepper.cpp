@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "ugoki/base/check.h"
 #include "ugoki/mechanism/state.h"
@@ -29,35 +28,15 @@ double rolling_radius(const Link& link) {
   return radius;
 }
 
-constexpr double slow_turn = 1e-3;   // rad | m in a step: what moves less needs no second look at its bias
-constexpr double most_change = 0.3;  // of the velocities, from one look at the bias to the next
-
-/// What a free body's bias moment has to change by, so that the step takes it at the mean of old and new angular velocity:
-///   I (w' - w) = -dt wm x I wm,  wm = (w + w') / 2
-/// keeps the energy and the size of the angular momentum of a spinning body exactly, where the moment at w would spin it up. A body that
-/// turns by radians in a step, for which that may have no solution nearby, keeps its angular velocity.
-Vec3 gyroscopic_correction(const Sym3& I, const Vec3& w, double dt) {
-  const Mat3 M = I.matrix();
-  Vec3 next = w;
-  for (int k = 0; k < 5; ++k) {  // Newton's method
-    const Vec3 mean = (w + next) * 0.5, momentum = M * mean;
-    const Vec3 rest = M * (next - w) + cross(mean, momentum) * dt;
-    if (!(dot(rest, rest) > 1e-30 * dot(momentum, momentum))) break;
-    next = next - inverse(M + (Mat3::skew(mean) * M - Mat3::skew(momentum)) * (0.5 * dt)) * rest;
+/// Whether the joint's freedom is an angle.
+bool turns(JointType type, int freedom) {
+  switch (type) {
+    case JointType::prismatic: return false;
+    case JointType::cylindrical: return freedom == 0;
+    case JointType::planar: return freedom == 2;
+    case JointType::floating: return freedom < 3;
+    default: return true;
   }
-  const Vec3 mean = (w + next) * 0.5, moment = cross(mean, M * mean), rest = M * (next - w) + moment * dt;
-  const bool solved = norm(rest) <= 1e-6 * norm(M * w);  // false for NaN
-  return (solved ? moment : Vec3{}) - cross(w, M * w);
-}
-
-/// What a free body's bias has to change by where it turns by more than half a radian in a step and its frame is not at its centre: the
-/// force that carries the frame round the centre is then taken as its mean over the step, or the frame would fly off along its tangent.
-/// @return moment and force in the body's axes
-Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
-  if (!(dt * norm(w) > 0.5) || !(body.mass > 0)) return {};
-  const Vec3 c = body.h / body.mass, turned = to_matrix(exp_map(w * dt)) * c;
-  const Vec3 force = cross(w, turned - c) * (body.mass / dt) - cross(w, cross(w, body.h));
-  return {cross(c, force), force};
 }
 
 }  // namespace
@@ -74,9 +53,11 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     SystemScratch& x = scratch_[s];
     for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.root_D_inverse, &x.impulse, &x.displacement})
       array->resize(n);
-    x.next_q.resize(static_cast<std::size_t>(m.nq()));
+    x.none.assign(n, 0.0);
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
+      for (int k = 0; k < joint.nv(); ++k)
+        if (turns(joint.type, k)) x.turning.push_back(static_cast<std::size_t>(m.link(i).v_index + k));
       bool limited = false;
       for (int k = 0; k < joint.nv(); ++k) {
         const Freedom& f = joint.freedoms[static_cast<std::size_t>(k)];
@@ -97,113 +78,6 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
   forces_.reserve(2 * room);
   frames_.reserve(6 * room);
   warm_.reserve(room);
-}
-
-/// Inertia, its factor, and the velocity without impulses.
-void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report) {
-  const Mechanism& m = *mechanisms_[s];
-  dynamics::Workspace& ws = workspaces_[s];
-  SystemScratch& x = scratch_[s];
-  const std::size_t n = x.free_v.size();
-  if (n == 0) return;
-  if (x.loops) dynamics::share_virtual_inertias(x.loops->links, ws);
-  dynamics::calc_inertia_rows(m, ws);
-  const bool servo = !system.servo_gain.empty();
-  for (std::size_t i = 0; i < n; ++i) {
-    x.extra[i] = dt * (ws.freedoms[i].damping + dt * ws.freedoms[i].stiffness);
-    if (servo) x.extra[i] += dt * system.servo_gain[i];
-  }
-  if (const int bad = dynamics::factor(ws, x.extra); bad >= 0) {
-    report.status = StepStatus::singular;
-    report.system = static_cast<int>(s);
-    report.freedom = bad;
-    return;
-  }
-  if (x.springs || !x.limited.empty())
-    for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
-  dynamics::calc_inverse_dynamics(m, ws, {}, options_.gravity, system.external, x.free_v);
-  if (x.free_body) {
-    const Vec3 w{x.v[0], x.v[1], x.v[2]};
-    const Link& link = m.link(0);
-    const Vec6 carried = centripetal_correction(link.inertia, w, dt);
-    const Vec3 moment = gyroscopic_correction(link.inertia.about_centre(), w, dt) + carried.w;
-    const Vec3 force = transpose_times(link.joint.X_PJ.R, ws.X_WB[0].R * carried.v);
-    for (std::size_t k = 0; k < 3; ++k) {
-      x.free_v[k] += moment[static_cast<int>(k)];
-      x.free_v[k + 3] += force[static_cast<int>(k)];
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i) x.root_D_inverse[i] = std::sqrt(ws.D_inverse[i]);
-  move_freely(s, system, dt);
-  if (x.free_body || n == 1) return;
-  // Linked bodies: the bias at the mean of old and new velocities. Taken at the old ones it adds energy in every step, and chains that
-  // nothing damps whirl ever faster.
-  double change = 0;
-  for (int round = 0; round < 2; ++round) {
-    double fastest = 0;
-    for (std::size_t i = 0; i < n; ++i) fastest = std::max({fastest, std::fabs(x.v[i]), std::fabs(x.free_v[i])});
-    if (fastest * dt < slow_turn) return;
-    x.unforced = x.free_v;
-    for (std::size_t i = 0; i < n; ++i) x.mean[i] = 0.5 * (x.v[i] + x.free_v[i]);
-    dynamics::calc_inverse_dynamics(m, ws, system.q, x.mean, {}, options_.gravity, system.external, x.free_v);
-    move_freely(s, system, dt);
-    double changed = 0, size = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double d = x.free_v[i] - x.unforced[i];
-      changed += d * d / ws.D_inverse[i];
-      size += (x.v[i] * x.v[i] + x.free_v[i] * x.free_v[i]) / ws.D_inverse[i];
-    }
-    change = changed / size;
-  }
-  if (change < most_change * most_change) return;
-  // Too fast for the step, as what turns by radians in it.
-  std::ranges::fill(x.mean, 0.0);
-  dynamics::calc_inverse_dynamics(m, ws, system.q, x.mean, {}, options_.gravity, system.external, x.free_v);
-  move_freely(s, system, dt);
-  hold_energy(s, system, dt);
-}
-
-/// Joints keep their velocities, and where the mechanism would have more kinetic energy with them after the step, they lose some.
-void Stepper::hold_energy(std::size_t s, const StepSystem& system, double dt) {
-  const Mechanism& m = *mechanisms_[s];
-  SystemScratch& x = scratch_[s];
-  std::ranges::fill(x.mean, 0.0);
-  const auto energy = [&](std::span<const double> q) {  // twice
-    dynamics::calc_inverse_dynamics(m, workspaces_[s], q, x.mean, x.free_v, {}, {}, x.unforced);
-    return std::inner_product(x.free_v.begin(), x.free_v.end(), x.unforced.begin(), 0.0);
-  };
-  const double most = energy(system.q);
-  bool slower = false;
-  for (int round = 0; round < 8; ++round) {
-    integrate(m, system.q, x.free_v, dt, x.next_q);
-    const double next = energy(x.next_q);
-    if (!(next > most)) break;
-    const double part = std::sqrt(most / next);
-    for (const Link& l : m.links())
-      for (int f = l.v_index; f < l.v_index + l.joint.nv() && l.joint.type != JointType::floating; ++f)
-        x.free_v[static_cast<std::size_t>(f)] *= part;
-    slower = true;
-  }
-  if (slower && x.loops) solve_loops(s, system, dt);
-}
-
-/// free_v: from the bias to the velocity without impulses.
-void Stepper::move_freely(std::size_t s, const StepSystem& system, double dt) {
-  const dynamics::Workspace& ws = workspaces_[s];
-  SystemScratch& x = scratch_[s];
-  const bool servo = !system.servo_gain.empty();
-  for (std::size_t i = 0; i < x.v.size(); ++i) {
-    const Freedom& f = ws.freedoms[i];
-    double passive = f.damping * x.v[i];
-    if (f.stiffness > 0) passive += f.stiffness * (x.displacement[i] - f.rest + dt * x.v[i]);
-    if (servo) passive += system.servo_gain[i] * (x.v[i] - system.servo_velocity[i]);
-    x.free_v[i] = dt * (system.tau[i] - x.free_v[i] - passive);
-  }
-  dynamics::solve(ws, x.free_v);
-  for (std::size_t i = 0; i < x.v.size(); ++i) {
-    x.free_v[i] += x.v[i];
-  }
-  if (x.loops) solve_loops(s, system, dt);
 }
 
 /// free_v += L^-1 D^-1/2 impulse.
@@ -326,6 +200,7 @@ StepReport Stepper::finish(std::span<StepSystem> systems, std::span<const collis
   for (std::size_t s = 0; s < systems.size(); ++s) {
     const std::vector<double>& v = scratch_[s].free_v;
     for (std::size_t i = 0; i < v.size(); ++i) systems[s].v[i] = v[i];
+    if (coast(s, systems[s], dt, report)) continue;
     integrate(*mechanisms_[s], systems[s].q, v, dt, systems[s].q);
     if (scratch_[s].loops) close_loops(s, systems[s], report);
   }

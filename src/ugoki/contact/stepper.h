@@ -77,7 +77,8 @@ class Stepper {
   /// Advances all systems by dt. On failure every q and v is left as it was: the last good state.
   /// @param contacts from collision analysis at the present positions; systems and links as given to the constructor
   /// @param certain contacts from this index on take part however far apart they are; of the others, those that can be reached
-  /// No allocation after warm-up, unless the number of contacts grows.
+  /// No allocation after warm-up, unless the number of contacts grows; the first time that a linked system turns by more than a quarter of
+  /// a radian in a step it gets what it needs for that.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
                   std::size_t certain = SIZE_MAX);
 
@@ -111,7 +112,8 @@ class Stepper {
   void find_impacts(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt, StepReport& report);
   void prepare(std::size_t s, const StepSystem& system, double dt, StepReport& report);
   void move_freely(std::size_t s, const StepSystem& system, double dt);
-  void hold_energy(std::size_t s, const StepSystem& system, double dt);
+  bool coast(std::size_t s, StepSystem& system, double dt, StepReport& report);
+  double turn(std::size_t s, std::span<const double> v, double dt) const;
   void add_contact(int index, const collision::ContactPoint& c, double dt, bool certain);
   void add_rolling(const collision::ContactPoint& c);
   void add_joint_rows(std::size_t s, double dt);
@@ -130,7 +132,7 @@ class Stepper {
     std::vector<double> free_v;          // [nv] velocity without impulses; at the end of a step with them
     std::vector<double> unforced;        // [nv] without them, until the next step
     std::vector<double> mean;            // [nv] of old and new velocities
-    std::vector<double> next_q;          // [nq] positions after the step as they would be without impulses
+    std::vector<double> none;            // [nv] zeros
     std::vector<double> root_D_inverse;  // [nv]
     std::vector<double> impulse;         // [nv]
     std::vector<double> displacement;    // [nv]
@@ -140,6 +142,9 @@ class Stepper {
     double round = 0;                    // m: radius of a free round body
     bool free_body = false;              // one floating link
     bool springs = false;
+    bool coasts = false;                // moves by its inertia after the forces have acted
+    std::vector<std::size_t> turning;   // freedoms that are angles
+    std::unique_ptr<Stepper> inertial;  // of the mechanism alone, for that
     struct Loops {
       explicit Loops(const Mechanism& m);
       dynamics::ClosedLinks links;
@@ -156,6 +161,7 @@ class Stepper {
 
   std::vector<MechanismPtr> mechanisms_;
   StepperOptions options_;
+  bool coasting_ = false;  // inertial forces and loops only
   std::vector<dynamics::Workspace> workspaces_;
   std::vector<SystemScratch> scratch_;
   VelocitySolver solver_;

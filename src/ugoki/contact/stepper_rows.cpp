@@ -149,6 +149,7 @@ void Stepper::add_joint_rows(std::size_t s, double dt) {
   const Mechanism& m = *mechanisms_[s];
   const dynamics::Workspace& ws = workspaces_[s];
   const SystemScratch& x = scratch_[s];
+  if (coasting_) return;
   const auto add_row = [&](RowKind kind, const Link& link, const double* direction, double target, double bound, std::uint64_t key) {
     const int last = link.v_index + link.joint.nv() - 1, length = ws.depth[static_cast<std::size_t>(last)] + 1;
     RowBlock& block = solver_.begin_block(kind, key);
