@@ -77,7 +77,7 @@ class Stepper {
   /// Advances all systems by dt. On failure every q and v is left as it was: the last good state.
   /// @param contacts from collision analysis at the present positions; systems and links as given to the constructor
   /// @param certain contacts from this index on take part however far apart they are; of the others, those that can be reached
-  /// No allocation after warm-up, unless the number of contacts grows; the first time that a linked system turns by more than a quarter of
+  /// No allocation after warm-up, unless the number of contacts grows; the first time that a linked system turns by more than a tenth of
   /// a radian in a step it gets what it needs for that.
   StepReport step(std::span<StepSystem> systems, std::span<const collision::ContactPoint> contacts, double dt,
                   std::size_t certain = SIZE_MAX);

@@ -10,10 +10,10 @@ namespace ugoki::contact {
 namespace {
 
 constexpr double slow = 1e-3;        // rad | m in a step: what moves less needs no second look at its bias
-constexpr double most_change = 0.3;  // of the velocities, from one look at the bias to the next
-constexpr double most_turn = 0.25;   // rad in a step: linked bodies that turn faster go on in smaller steps,
-constexpr double small_turn = 0.1;   // rad, of this size,
-constexpr double most_parts = 20;    // and no more of them
+constexpr double enough = 0.01;      // change of the velocities from one look at the bias to the next, relative
+constexpr double most_change = 0.3;  // more of it, and there is no end to it
+constexpr double most_turn = 0.02;   // rad in a step: linked bodies that turn faster coast in parts of a step,
+constexpr double most_parts = 20;    // no more of them
 
 /// What a free body's bias moment has to change by, so that the step takes it at the mean of old and new angular velocity:
 ///   I (w' - w) = -dt wm x I wm,  wm = (w + w') / 2
@@ -112,6 +112,7 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
       size += (x.v[i] * x.v[i] + x.free_v[i] * x.free_v[i]) / ws.D_inverse[i];
     }
     change = changed / size;
+    if (change < enough * enough) return;
   }
   if (!(change < most_change * most_change)) move(x.none);  // too fast: the joints keep their velocities
 }
@@ -146,8 +147,8 @@ bool Stepper::coast(std::size_t s, StepSystem& system, double dt, StepReport& re
     x.inertial = std::make_unique<Stepper>(std::vector<MechanismPtr>{mechanisms_[s]}, options);
     x.inertial->coasting_ = true;
   }
+  const double parts = std::clamp(std::ceil(turned / most_turn), 1.0, most_parts);
   StepSystem alone{system.q, system.v, x.none, {}, {}, {}};
-  const double parts = std::clamp(std::ceil(turned / small_turn), 1.0, most_parts);
   for (int k = 0; k < static_cast<int>(parts); ++k) {
     const StepReport part = x.inertial->step(std::span(&alone, 1), {}, dt / parts);
     if (part.status != StepStatus::ok) break;
