@@ -84,7 +84,10 @@ void Stepper::solve_loops(std::size_t s, const StepSystem& system, double dt) {
       const int at = loops.rows.first[i] + k;
       const double u = make_loop_row(s, all[i], static_cast<int>(i), at, row(r), loops.least[r]);
       loops.least[r] *= dynamics::immobile_row;
-      loops.target[r] = -(u + loops.rows.gap[static_cast<std::size_t>(at)] / dt);
+      // gaps are closed after the step, so that a mechanism that begins open does not fly together
+      const double closing =
+          std::clamp(loops.rows.gap[static_cast<std::size_t>(at)] / dt, -options_.recovery_speed, options_.recovery_speed);
+      loops.target[r] = -(u + closing);
       kind(k) = std::max(kind(k), product(row(r), row(r)));
     }
     for (int k = 0; k < all[i].rows(); ++k, ++count)
