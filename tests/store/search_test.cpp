@@ -1,7 +1,9 @@
 // Searching: the rules of words, and the same answers from both databases.
 
 #include <algorithm>
+#include <chrono>
 #include <random>
+#include <thread>
 
 #include "on_both.h"
 #include "ugoki/store/library_body.h"
@@ -108,6 +110,7 @@ TEST_P(SearchTest, OrdersByRelevanceNameTimeAndLength) {
   const auto put = [&](const char* name, const char* duration, std::vector<std::string> tags = {}) {
     ASSERT_TRUE(library.put(
         std::vector{make_item(EntryKind::motion, name, name, std::move(tags), std::string(R"({"duration": )") + duration + "}")}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // times are kept in milliseconds
   };
   put("a slow walk", "3.5");
   put("walk", "10");
