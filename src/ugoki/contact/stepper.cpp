@@ -54,6 +54,7 @@ Stepper::Stepper(std::vector<MechanismPtr> systems, const StepperOptions& option
     for (std::vector<double>* array : {&x.v, &x.extra, &x.free_v, &x.unforced, &x.mean, &x.root_D_inverse, &x.impulse, &x.displacement})
       array->resize(n);
     x.none.assign(n, 0.0);
+    x.start_q.resize(static_cast<std::size_t>(m.nq()));
     for (int i = 0; i < m.link_count(); ++i) {
       const Joint& joint = m.link(i).joint;
       for (int k = 0; k < joint.nv(); ++k)

@@ -36,7 +36,7 @@ struct StepperOptions {
   int iterations = 200;          ///< greatest number of sweeps over an island
   double tolerance = 1e-7;       ///< m/s: sweeps end when no velocity changes more
   double recovery_time = 0.008;  ///< s in which penetration is pushed out
-  double recovery_speed = 0.6;   ///< m/s, greatest speed of that
+  double recovery_speed = 0.6;   ///< m/s, greatest speed of that; of loops that are open, with which they close, m/s | rad/s
   double impact_speed = 0.05;    ///< m/s: slower approaches do not bounce
   double softness = 1e-4;        ///< share of a contact's own inverse inertia added to it, so that redundant contacts share the load
   double rolling = 0.02;         ///< rolling resistance of free round bodies: moment / (radius times normal force)
@@ -92,7 +92,8 @@ class Stepper {
   /// Force [N] on body a of each contact of the last step, world axes, in the order of its contacts. An impact's impulse
   /// counts as a force that is constant over the step, eq. (17).
   [[nodiscard]] std::span<const Vec3> contact_forces() const { return forces_; }
-  /// Velocity [m/s, world] of a link's point at p [m, world], with the positions before and the velocities after the last step.
+  /// Velocity [m/s, world] of a link's point at p [m, world], with the positions before and the velocities after the last step;
+  /// of what then turned on by its inertia alone, those with which it set out.
   [[nodiscard]] Vec3 velocity_after(int system, int link, const Vec3& p) const;
   /// Kinematics at the beginning of the last step.
   [[nodiscard]] const dynamics::Workspace& workspace(int system) const { return workspaces_[static_cast<std::size_t>(system)]; }
@@ -133,6 +134,7 @@ class Stepper {
     std::vector<double> unforced;        // [nv] without them, until the next step
     std::vector<double> mean;            // [nv] of old and new velocities
     std::vector<double> none;            // [nv] zeros
+    std::vector<double> start_q;         // [nq] before it coasts
     std::vector<double> root_D_inverse;  // [nv]
     std::vector<double> impulse;         // [nv]
     std::vector<double> displacement;    // [nv]

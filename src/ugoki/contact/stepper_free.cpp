@@ -45,6 +45,7 @@ Vec6 centripetal_correction(const Inertia& body, const Vec3& w, double dt) {
 
 }  // namespace
 
+/// rad: the greatest turn about a joint, or of a free base, in dt.
 double Stepper::turn(std::size_t s, std::span<const double> v, double dt) const {
   double most = 0;
   for (const std::size_t f : scratch_[s].turning) most = std::max(most, std::fabs(v[f]) * dt);
@@ -72,7 +73,7 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     return;
   }
   for (std::size_t i = 0; i < n; ++i) x.root_D_inverse[i] = std::sqrt(ws.D_inverse[i]);
-  if (x.springs || !x.limited.empty())
+  if (!coasting_ && (x.springs || !x.limited.empty()))
     for (const Link& link : m.links()) joint_displacement(link.joint, system.q.data() + link.q_index, x.displacement.data() + link.v_index);
   const bool linked = !x.free_body && n > 1;
   x.coasts = linked && !coasting_ && turn(s, x.v, dt) > most_turn;
@@ -102,7 +103,7 @@ void Stepper::prepare(std::size_t s, const StepSystem& system, double dt, StepRe
     double fastest = 0;
     for (std::size_t i = 0; i < n; ++i) fastest = std::max({fastest, std::fabs(x.v[i]), std::fabs(x.free_v[i])});
     if (fastest * dt < slow) return;
-    x.unforced = x.free_v;
+    x.unforced = x.free_v;  // of the look before; what stays in it is set after this
     for (std::size_t i = 0; i < n; ++i) x.mean[i] = 0.5 * (x.v[i] + x.free_v[i]);
     move(x.mean);
     double changed = 0, size = 0;
@@ -148,10 +149,15 @@ bool Stepper::coast(std::size_t s, StepSystem& system, double dt, StepReport& re
     x.inertial->coasting_ = true;
   }
   const double parts = std::clamp(std::ceil(turned / most_turn), 1.0, most_parts);
+  std::ranges::copy(system.q, x.start_q.begin());
   StepSystem alone{system.q, system.v, x.none, {}, {}, {}};
   for (int k = 0; k < static_cast<int>(parts); ++k) {
     const StepReport part = x.inertial->step(std::span(&alone, 1), {}, dt / parts);
-    if (part.status != StepStatus::ok) break;
+    if (part.status != StepStatus::ok) {  // straight on instead: what is wrong will be told by the next step
+      std::ranges::copy(x.start_q, system.q.begin());
+      std::ranges::copy(x.free_v, system.v.begin());
+      return false;
+    }
     report.loop_gap = std::max(report.loop_gap, part.loop_gap);
   }
   return true;
